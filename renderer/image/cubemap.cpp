@@ -1,0 +1,100 @@
+#include "image/cubemap.h"
+
+#include <array>
+#include <cmath>
+
+namespace probebake {
+
+Vec3 face_direction(CubeFace face, double u, double v) {
+    switch (face) {
+        case CubeFace::kPosX:
+            return {1.0, -v, u};
+        case CubeFace::kNegX:
+            return {-1.0, -v, -u};
+        case CubeFace::kPosY:
+            return {u, 1.0, -v};
+        case CubeFace::kNegY:
+            return {u, -1.0, v};
+        case CubeFace::kPosZ:
+            return {-u, -v, 1.0};
+        case CubeFace::kNegZ:
+            return {u, -v, -1.0};
+    }
+    return {1.0, -v, u};
+}
+
+FacePoint face_point(const Vec3& d) {
+    const double ax = std::abs(d.x);
+    const double ay = std::abs(d.y);
+    const double az = std::abs(d.z);
+    if (ax >= ay && ax >= az) {
+        return {d.x > 0 ? CubeFace::kPosX : CubeFace::kNegX, (d.x > 0 ? d.z : -d.z) / ax,
+                -d.y / ax};
+    }
+    if (ay >= az) {
+        return {d.y > 0 ? CubeFace::kPosY : CubeFace::kNegY, d.x / ay, (d.y > 0 ? -d.z : d.z) / ay};
+    }
+    return {d.z > 0 ? CubeFace::kPosZ : CubeFace::kNegZ, (d.z > 0 ? -d.x : d.x) / az, -d.y / az};
+}
+
+CubePixel owner_of(const CubePixel& pixel, int n) {
+    if (n == 1) return pixel;
+    const int last = n - 1;
+    // Twice the direction in integers, so that ties are exact: components in [−last, last].
+    const int u = 2 * pixel.x - last;
+    const int v = 2 * pixel.y - last;
+    std::array<int, 3> d{};
+    switch (pixel.face) {
+        case CubeFace::kPosX:
+            d = {last, -v, u};
+            break;
+        case CubeFace::kNegX:
+            d = {-last, -v, -u};
+            break;
+        case CubeFace::kPosY:
+            d = {u, last, -v};
+            break;
+        case CubeFace::kNegY:
+            d = {u, -last, v};
+            break;
+        case CubeFace::kPosZ:
+            d = {-u, -v, last};
+            break;
+        case CubeFace::kNegZ:
+            d = {u, -v, -last};
+            break;
+    }
+    const auto pixel_at = [&](CubeFace face, int at_u, int at_v) {
+        return CubePixel{face, (at_u + last) / 2, (at_v + last) / 2};
+    };
+    if (d[0] == last) return pixel_at(CubeFace::kPosX, d[2], -d[1]);
+    if (d[0] == -last) return pixel_at(CubeFace::kNegX, -d[2], -d[1]);
+    if (d[1] == last) return pixel_at(CubeFace::kPosY, d[0], -d[2]);
+    if (d[1] == -last) return pixel_at(CubeFace::kNegY, d[0], d[2]);
+    return pixel;
+}
+
+void Cubemap::share_edges() {
+    for (const CubeFace face : kCubeFaces) {
+        for (int y = 0; y < n_; ++y) {
+            const bool edge_row = y == 0 || y == n_ - 1;
+            for (int x = 0; x < n_; x += edge_row || n_ == 1 ? 1 : n_ - 1) {
+                const CubePixel pixel{face, x, y};
+                at(pixel) = at(owner_of(pixel, n_));
+            }
+        }
+    }
+}
+
+std::vector<CubePixel> owned_pixels(CubeFace face, int n) {
+    std::vector<CubePixel> pixels;
+    for (int y = 0; y < n; ++y) {
+        for (int x = 0; x < n; ++x) {
+            const CubePixel pixel{face, x, y};
+            if (owner_of(pixel, n) == pixel) pixels.push_back(pixel);
+        }
+    }
+    return pixels;
+}
+
+}  // namespace probebake

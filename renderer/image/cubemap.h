@@ -1,0 +1,82 @@
+// A cubemap on OpenEXR's cube-face grid: N wide, 6N high, faces from the top +X −X +Y −Y +Z −Z.
+//
+// Pixel centres lie ON the edges of the cube: pixel x of a face is at u = (2x − (N−1)) / (N−1).
+//
+//   face  u            v            right / up seen from inside    direction of (u, v)
+//   +X     dz/|dx|     −dy/|dx|     +Z / +Y                        ( 1, −v,  u)
+//   −X    −dz/|dx|     −dy/|dx|     −Z / +Y                        (−1, −v, −u)
+//   +Y     dx/|dy|     −dz/|dy|     +X / +Z                        ( u,  1, −v)
+//   −Y     dx/|dy|      dz/|dy|     +X / −Z                        ( u, −1,  v)
+//   +Z    −dx/|dz|     −dy/|dz|     −X / +Y                        (−u, −v,  1)
+//   −Z     dx/|dz|     −dy/|dz|     +X / +Y                        ( u, −v, −1)
+//
+// Edge pixels belong to two faces, corner pixels to three; they hold the same value. The lowest
+// face index that holds a pixel owns it. For N = 1 all six faces are centres, nothing is shared.
+// Source: OpenEXR's ImfEnvmap.h; docs/conventions.md.
+#pragma once
+
+#include <vector>
+
+#include "image/image.h"
+#include "math/cube_face.h"
+
+namespace probebake {
+
+/// A pixel of a cubemap.
+struct CubePixel {
+    CubeFace face = CubeFace::kPosX;
+    int x = 0;
+    int y = 0;
+
+    bool operator==(const CubePixel&) const = default;
+};
+
+/// The direction (not normalised: its largest component is ±1 for |u|, |v| ≤ 1) of a point of a
+/// face.
+Vec3 face_direction(CubeFace face, double u, double v);
+
+/// The face that a direction belongs to, ties X over Y over Z, and its coordinates there.
+struct FacePoint {
+    CubeFace face = CubeFace::kPosX;
+    double u = 0.0;
+    double v = 0.0;
+};
+FacePoint face_point(const Vec3& direction);
+
+/// u (or v) of pixel column (row) x of a face of n pixels; exactly antisymmetric; 0 for n = 1.
+inline double grid_coordinate(double x, int n) {
+    return n > 1 ? (2.0 * x - (n - 1)) / (n - 1) : 2.0 * x;
+}
+/// Distance of neighbouring pixels in u and v.
+inline double grid_spacing(int n) { return n > 1 ? 2.0 / (n - 1) : 2.0; }
+
+/// The pixel that owns the value of `pixel` in a cubemap of n pixels per face.
+CubePixel owner_of(const CubePixel& pixel, int n);
+
+class Cubemap {
+  public:
+    Cubemap() = default;
+    explicit Cubemap(int face_size_px) : n_(face_size_px), image_(face_size_px, 6 * face_size_px) {}
+    /// Adopts an image of n × 6n.
+    explicit Cubemap(Image image) : n_(image.width()), image_(std::move(image)) {}
+
+    int face_size() const { return n_; }
+    Rgb& at(const CubePixel& p) { return image_.at(p.x, index_of(p.face) * n_ + p.y); }
+    const Rgb& at(const CubePixel& p) const { return image_.at(p.x, index_of(p.face) * n_ + p.y); }
+    const Image& image() const { return image_; }
+    Image& image() { return image_; }
+
+    /// Copies every owned pixel over the pixels that share it.
+    void share_edges();
+
+    bool operator==(const Cubemap&) const = default;
+
+  private:
+    int n_ = 0;
+    Image image_;
+};
+
+/// The pixels of a face of n × n that it owns, row by row.
+std::vector<CubePixel> owned_pixels(CubeFace face, int n);
+
+}  // namespace probebake

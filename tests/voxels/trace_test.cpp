@@ -1,0 +1,2 @@
+#include <gtest/gtest.h>
+#include "voxels/voxel_tree.h"

@@ -85,6 +85,9 @@ class VoxelTree {
         return level_begin_[static_cast<size_t>(node_levels() - 1 - k)];
     }
 
+    /// First node of every level from the root's down, and the end.
+    const std::vector<uint64_t>& level_begins() const { return level_begin_; }
+
     uint64_t voxel_count() const { return voxel_count_; }
     uint64_t octant_count() const { return octant_count_; }
     /// Non-empty octree nodes at each level 0..depth, voxels and root included.

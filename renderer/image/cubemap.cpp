@@ -1,5 +1,6 @@
 #include "image/cubemap.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -35,6 +36,21 @@ FacePoint face_point(const Vec3& d) {
         return {d.y > 0 ? CubeFace::kPosY : CubeFace::kNegY, d.x / ay, (d.y > 0 ? -d.z : d.z) / ay};
     }
     return {d.z > 0 ? CubeFace::kPosZ : CubeFace::kNegZ, (d.z > 0 ? -d.x : d.x) / az, -d.y / az};
+}
+
+double pixel_solid_angle(int x, int y, int n) {
+    // Solid angle of the rectangle from the face's centre to the corner (u, v).
+    const auto corner = [](double u, double v) {
+        return std::atan2(u * v, std::sqrt(u * u + v * v + 1.0));
+    };
+    const double half = grid_spacing(n) / 2.0;
+    const double u = grid_coordinate(x, n);
+    const double v = grid_coordinate(y, n);
+    const double u0 = std::max(u - half, -1.0);
+    const double u1 = std::min(u + half, 1.0);
+    const double v0 = std::max(v - half, -1.0);
+    const double v1 = std::min(v + half, 1.0);
+    return corner(u1, v1) - corner(u0, v1) - corner(u1, v0) + corner(u0, v0);
 }
 
 CubePixel owner_of(const CubePixel& pixel, int n) {
@@ -75,26 +91,8 @@ CubePixel owner_of(const CubePixel& pixel, int n) {
 }
 
 void Cubemap::share_edges() {
-    for (const CubeFace face : kCubeFaces) {
-        for (int y = 0; y < n_; ++y) {
-            const bool edge_row = y == 0 || y == n_ - 1;
-            for (int x = 0; x < n_; x += edge_row || n_ == 1 ? 1 : n_ - 1) {
-                const CubePixel pixel{face, x, y};
-                at(pixel) = at(owner_of(pixel, n_));
-            }
-        }
-    }
-}
-
-std::vector<CubePixel> owned_pixels(CubeFace face, int n) {
-    std::vector<CubePixel> pixels;
-    for (int y = 0; y < n; ++y) {
-        for (int x = 0; x < n; ++x) {
-            const CubePixel pixel{face, x, y};
-            if (owner_of(pixel, n) == pixel) pixels.push_back(pixel);
-        }
-    }
-    return pixels;
+    for_each_shared_pixel(
+        n_, [&](const CubePixel& pixel, const CubePixel& owner) { at(pixel) = at(owner); });
 }
 
 }  // namespace probebake

@@ -50,8 +50,35 @@ inline double grid_coordinate(double x, int n) {
 /// Distance of neighbouring pixels in u and v.
 inline double grid_spacing(int n) { return n > 1 ? 2.0 / (n - 1) : 2.0; }
 
+/// The solid angle (sr) of what pixel (x, y) of a face of n pixels stands for: its cell of the grid,
+/// clipped at the edge of the face. The same on every face; the six faces sum to 4π.
+double pixel_solid_angle(int x, int y, int n);
+
 /// The pixel that owns the value of `pixel` in a cubemap of n pixels per face.
 CubePixel owner_of(const CubePixel& pixel, int n);
+
+/// Calls visit(pixel, owner) for every pixel that another face owns.
+template <class Visit>
+void for_each_shared_pixel(int n, Visit visit) {
+    if (n == 1) return;
+    for (const CubeFace face : kCubeFaces) {
+        for (int y = 0; y < n; ++y) {
+            const bool edge_row = y == 0 || y == n - 1;
+            for (int x = 0; x < n; x += edge_row ? 1 : n - 1) {
+                const CubePixel pixel{face, x, y};
+                const CubePixel owner = owner_of(pixel, n);
+                if (!(owner == pixel)) visit(pixel, owner);
+            }
+        }
+    }
+}
+
+/// Index of a pixel in arrays that run face by face, row by row.
+inline size_t cube_index(const CubePixel& p, int n) {
+    const auto size = static_cast<size_t>(n);
+    return (static_cast<size_t>(index_of(p.face)) * size + static_cast<size_t>(p.y)) * size +
+           static_cast<size_t>(p.x);
+}
 
 class Cubemap {
   public:
@@ -76,7 +103,8 @@ class Cubemap {
     Image image_;
 };
 
-/// The pixels of a face of n × n that it owns, row by row.
-std::vector<CubePixel> owned_pixels(CubeFace face, int n);
+/// Bilinear value in a direction of any length but zero; continuous across edges, because the faces
+/// share their edge pixels.
+Rgb sample_bilinear(const Cubemap& cubemap, const Vec3& direction);
 
 }  // namespace probebake

@@ -44,8 +44,8 @@ inline VoxelCloud sparse_cloud(int depth, int count, uint64_t seed) {
     cloud.depth = depth;
     const int last = (1 << depth) - 1;
     for (int corner = 0; corner < 8; ++corner) {
-        cloud.voxels.push_back(make_voxel(
-            {(corner & 1) * last, ((corner >> 1) & 1) * last, (corner >> 2) * last}, 1));
+        cloud.voxels.push_back(
+            make_voxel({(corner & 1) * last, ((corner >> 1) & 1) * last, (corner >> 2) * last}, 1));
     }
     for (int i = 0; i < count; ++i) {
         const auto coordinate = [&] { return static_cast<int>(random.below(1u << depth)); };

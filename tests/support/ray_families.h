@@ -33,8 +33,7 @@ inline Vec3 random_corner(RandomStream& random, double side) {
 
 inline Vec3 random_direction(RandomStream& random) {
     for (;;) {
-        const Vec3 d =
-            Vec3(random.uniform(), random.uniform(), random.uniform()) * 2.0 - Vec3(1.0);
+        const Vec3 d = Vec3(random.uniform(), random.uniform(), random.uniform()) * 2.0 - Vec3(1.0);
         const double length = glm::length(d);
         if (length > 0.1 && length <= 1.0) return d / length;
     }
@@ -98,7 +97,8 @@ inline std::vector<RayFamily> ray_families() {
     });
     add("45 degrees through corners", [](RandomStream& r, double s) {
         const Vec3 d = random_diagonal(r);
-        const Vec3 step(d.x == 0 ? 0 : std::copysign(1.0, d.x), d.y == 0 ? 0 : std::copysign(1.0, d.y),
+        const Vec3 step(d.x == 0 ? 0 : std::copysign(1.0, d.x),
+                        d.y == 0 ? 0 : std::copysign(1.0, d.y),
                         d.z == 0 ? 0 : std::copysign(1.0, d.z));
         return Ray{random_corner(r, s) - step * (2 * s), d};
     });
@@ -124,7 +124,8 @@ inline std::vector<RayFamily> ray_families() {
     add("tiny components", [](RandomStream& r, double s) {
         Vec3 d = random_axis(r);
         for (int a = 0; a < 3; ++a) {
-            if (d[a] == 0.0) d[a] = (r.uniform() - 0.5) * std::pow(10.0, -5.0 - 300.0 * r.uniform());
+            if (d[a] == 0.0)
+                d[a] = (r.uniform() - 0.5) * std::pow(10.0, -5.0 - 300.0 * r.uniform());
         }
         return Ray{random_point(r, s) - d * s, d};
     });
@@ -138,19 +139,27 @@ inline std::vector<RayFamily> ray_families() {
         ray.direction *= 1e-6;
         return ray;
     });
-    add("inside starts",
-        [](RandomStream& r, double s) { return Ray{random_point(r, s), random_direction(r)}; });
-    add("zero directions",
-        [](RandomStream& r, double s) { return Ray{random_point(r, s), Vec3(0.0)}; }, false);
-    add("NaN and Inf", [](RandomStream& r, double s) {
-        constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(),
-                                   std::numeric_limits<double>::infinity(),
-                                   -std::numeric_limits<double>::infinity()};
-        Ray ray{random_point(r, s), random_direction(r)};
-        Vec3& part = r.below(2) == 0 ? ray.origin : ray.direction;
-        part[static_cast<int>(r.below(3))] = kBad[r.below(3)];
-        return ray;
-    }, false);
+    add("inside starts", [](RandomStream& r, double s) {
+        return Ray{random_point(r, s), random_direction(r)};
+    });
+    add(
+        "zero directions",
+        [](RandomStream& r, double s) {
+            return Ray{random_point(r, s), Vec3(0.0)};
+        },
+        false);
+    add(
+        "NaN and Inf",
+        [](RandomStream& r, double s) {
+            constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(),
+                                       std::numeric_limits<double>::infinity(),
+                                       -std::numeric_limits<double>::infinity()};
+            Ray ray{random_point(r, s), random_direction(r)};
+            Vec3& part = r.below(2) == 0 ? ray.origin : ray.direction;
+            part[static_cast<int>(r.below(3))] = kBad[r.below(3)];
+            return ray;
+        },
+        false);
     return families;
 }
 

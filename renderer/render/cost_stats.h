@@ -1,0 +1,51 @@
+// What a piece of rendering cost, as plain counters: passed in, merged in a fixed order, never
+// shared between threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "voxels/trace.h"
+
+namespace probebake {
+
+struct CostStats {
+    uint64_t rays = 0;            // whose colour is part of a pixel
+    uint64_t discarded_rays = 0;  // cast, judged too coarse, replaced by finer ones
+    uint64_t missed_rays = 0;     // of `rays`: those that met nothing within their range
+    uint64_t steps = 0;           // octree nodes entered, by kept and discarded rays
+    /// Kept rays that hit, by the octree level at which they stopped.
+    std::array<uint64_t, kMaxDepth + 1> level_histogram{};
+    double seconds = 0.0;  // summed over threads
+
+    uint64_t all_rays() const { return rays + discarded_rays; }
+    uint64_t hits() const { return rays - missed_rays; }
+
+    void keep(const Hit& hit) {
+        ++rays;
+        steps += hit.steps;
+        if (hit) {
+            ++level_histogram[static_cast<size_t>(hit.level)];
+        } else {
+            ++missed_rays;
+        }
+    }
+    void discard(const Hit& hit) {
+        ++discarded_rays;
+        steps += hit.steps;
+    }
+
+    CostStats& operator+=(const CostStats& other) {
+        rays += other.rays;
+        discarded_rays += other.discarded_rays;
+        missed_rays += other.missed_rays;
+        steps += other.steps;
+        for (size_t i = 0; i < level_histogram.size(); ++i) {
+            level_histogram[i] += other.level_histogram[i];
+        }
+        seconds += other.seconds;
+        return *this;
+    }
+};
+
+}  // namespace probebake

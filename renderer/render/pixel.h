@@ -1,0 +1,79 @@
+// One pixel, the unit of all renderers: its rays, their sums and what they cost.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "math/random.h"
+#include "render/cost_stats.h"
+#include "render/render_settings.h"
+#include "render/view.h"
+
+namespace probebake {
+
+/// What is rendered: a tree, the quantity shown where it is hit, and what a miss shows.
+struct RenderScene {
+    const VoxelTree& tree;
+    const ColorLevels& color;  // empty: black wherever something is hit
+    Rgb background{0.0f};
+    TraceRange range;  // voxels
+};
+
+/// Weighted sums over the kept rays of a pixel; the weights of a finished pixel add up to 1.
+struct PixelSums {
+    Vec3 color{0.0};
+    double distance = 0.0;          // radial, voxels; a miss counts as range.t_max
+    double squared_distance = 0.0;  // voxels²
+    int samples = 0;                // kept rays
+    double weight2 = 0.0;           // Σw², Σw²c, Σw²c²: for the standard error of the mean
+    Vec3 color_weight2{0.0};
+    Vec3 color2_weight2{0.0};
+
+    /// A kept ray's colour and distance (capped at `t_max`).
+    void add(const Rgb& c, double t, double t_max, double weight) {
+        const double d = std::min(t, t_max);
+        color += Vec3(c) * weight;
+        distance += weight * d;
+        squared_distance += weight * d * d;
+        ++samples;
+        const double w2 = weight * weight;
+        weight2 += w2;
+        color_weight2 += Vec3(c) * w2;
+        color2_weight2 += Vec3(c) * Vec3(c) * w2;
+    }
+    Rgb mean() const { return Rgb(color); }
+    /// Standard error of `color` judged by the spread of the pixel's own rays; 0 for a single ray,
+    /// which is no evidence of anything.
+    Rgb standard_error() const;
+};
+
+/// Colour of a hit at its own level; the background for a miss.
+inline Rgb shade(const RenderScene& scene, const Hit& hit) {
+    if (!hit) return scene.background;
+    if (scene.color.empty()) return Rgb(0.0f);
+    return scene.color[color_index(scene.tree, hit, hit.level)];
+}
+
+/// A ray through a pixel and its cone: the largest node edge per distance that the footprint
+/// `pixels` wide may show as one node. The node's edge is at most √2 footprints, which rounds the
+/// level to the nearest one (docs/design "error_aware"; Müller 2020, 5.1.3).
+struct PixelRay {
+    Ray ray;
+    double cone = 0.0;
+};
+PixelRay pixel_ray(const View& view, double x, double y, double pixels = 1.0);
+
+/// grid × grid rays on the regular grid of the footprint, stopping at `lod` (leaves by default).
+PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,
+                        CostStats& stats, const LevelOfDetail& lod = {});
+
+/// One ray at the level of detail of the pixel, or at settings.fixed_level.
+PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,
+                    const RenderSettings& settings, CostStats& stats);
+
+/// The mean of side × side leaf rays, one uniform in each cell: an unbiased estimate of the truth,
+/// the mean leaf-level radiance over the footprint. Counted in `stats`.
+Rgb stratified_pixel(const RenderScene& scene, const View& view, int x, int y, int side,
+                     RandomStream& random, CostStats& stats);
+
+}  // namespace probebake

@@ -1,0 +1,194 @@
+#include "render/render.h"
+
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "render/adaptive.h"
+#include "render/error_aware.h"
+
+namespace probebake {
+namespace {
+
+/// Rows of a tile: short enough that a cancelled render stops within milliseconds.
+constexpr int kTileRows = 8;
+
+/// Calls render_row(y, stats) for all rows, tiles of rows in parallel.
+template <class RenderRow>
+CostStats for_each_tile(int height_px, const CancelToken& cancel, RenderRow render_row) {
+    const int tiles = (height_px + kTileRows - 1) / kTileRows;
+    std::vector<CostStats> stats(static_cast<size_t>(tiles));
+    tbb::parallel_for(0, tiles, [&](int tile) {
+        if (cancel.cancelled()) return;
+        const auto start = std::chrono::steady_clock::now();
+        CostStats& mine = stats[static_cast<size_t>(tile)];
+        const int end = std::min(height_px, (tile + 1) * kTileRows);
+        for (int y = tile * kTileRows; y < end; ++y) render_row(y, mine);
+        mine.seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+    cancel.throw_if_cancelled();
+    CostStats total;
+    for (const CostStats& tile : stats) total += tile;
+    return total;
+}
+
+class ViewRenderer {
+  public:
+    ViewRenderer(const RenderScene& scene, const View& view, const RenderSettings& settings,
+                 const CancelToken& cancel, std::optional<CubeFace> face)
+        : scene_(scene), view_(view), settings_(settings), cancel_(cancel), face_(face) {
+        const auto pixels =
+            static_cast<size_t>(view.width_px) * static_cast<size_t>(view.height_px);
+        out_.color = Image(view.width_px, view.height_px);
+        out_.aux.resize(pixels);
+    }
+
+    ViewRender run() {
+        for (int y = 0; y < view_.height_px; ++y) {
+            for (int x = 0; x < view_.width_px; ++x) out_.pixels += renders(x, y) ? 1 : 0;
+        }
+        switch (settings_.kind) {
+            case RendererKind::kReference:
+                each_pixel([&](int x, int y, CostStats& stats) {
+                    return uniform_pixel(scene_, view_, x, y, settings_.leaf_grid, stats);
+                });
+                break;
+            case RendererKind::kLod:
+                each_pixel([&](int x, int y, CostStats& stats) {
+                    return lod_pixel(scene_, view_, x, y, settings_, stats);
+                });
+                break;
+            case RendererKind::kErrorAware:
+                each_pixel([&](int x, int y, CostStats& stats) {
+                    return error_aware_pixel(scene_, view_, x, y, settings_, stats);
+                });
+                break;
+            case RendererKind::kAdaptive:
+                adaptive();
+                break;
+        }
+        return std::move(out_);
+    }
+
+  private:
+    bool renders(int x, int y) const {
+        if (!face_) return true;
+        const CubePixel pixel{*face_, x, y};
+        return owner_of(pixel, view_.width_px) == pixel;
+    }
+    size_t index(int x, int y) const {
+        return static_cast<size_t>(y) * static_cast<size_t>(view_.width_px) +
+               static_cast<size_t>(x);
+    }
+    void store(int x, int y, const PixelSums& sums) {
+        out_.color.at(x, y) = sums.mean();
+        out_.aux[index(x, y)] = {static_cast<float>(sums.distance),
+                                 static_cast<float>(sums.squared_distance), sums.standard_error(),
+                                 static_cast<float>(sums.samples)};
+    }
+
+    template <class RenderPixel>
+    void each_pixel(RenderPixel render_pixel) {
+        out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (renders(x, y)) store(x, y, render_pixel(x, y, stats));
+            }
+        });
+    }
+
+    void adaptive() {
+        std::vector<OneRayPixel> first(out_.aux.size());
+        std::vector<CostStats> first_stats(out_.aux.size());
+        const CostStats first_pass =
+            for_each_tile(view_.height_px, cancel_, [&](int y, CostStats&) {
+                for (int x = 0; x < view_.width_px; ++x) {
+                    if (!renders(x, y)) continue;
+                    CostStats& stats = first_stats[index(x, y)];
+                    const PixelSums sums = lod_pixel(scene_, view_, x, y, settings_, stats);
+                    store(x, y, sums);
+                    first[index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
+                }
+            });
+        out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (!renders(x, y)) continue;
+                const CostStats& cast = first_stats[index(x, y)];
+                const double variation = luminance_variation(first, view_.width_px, view_.height_px,
+                                                             x, y, settings_.misses_in_kernel);
+                const int grid = adaptive_grid(variation, settings_.normaliser);
+                if (grid == 0) {
+                    stats += cast;
+                    continue;
+                }
+                ++stats.discarded_rays;
+                stats.steps += cast.steps;
+                store(x, y, uniform_pixel(scene_, view_, x, y, grid, stats));
+            }
+        });
+        out_.stats.seconds += first_pass.seconds;
+    }
+
+    const RenderScene& scene_;
+    const View& view_;
+    const RenderSettings& settings_;
+    const CancelToken& cancel_;
+    std::optional<CubeFace> face_;
+    ViewRender out_;
+};
+
+}  // namespace
+
+const char* name_of(RendererKind kind) {
+    switch (kind) {
+        case RendererKind::kReference:
+            return "reference";
+        case RendererKind::kLod:
+            return "lod";
+        case RendererKind::kAdaptive:
+            return "adaptive";
+        case RendererKind::kErrorAware:
+            return "error_aware";
+    }
+    return "";
+}
+
+ViewRender render_view(const RenderScene& scene, const View& view, const RenderSettings& settings,
+                       const CancelToken& cancel, std::optional<CubeFace> face) {
+    return ViewRenderer(scene, view, settings, cancel, face).run();
+}
+
+CostStats CubemapRender::total() const {
+    CostStats sum;
+    for (const CostStats& face : faces) sum += face;
+    return sum;
+}
+
+CubemapRender render_cubemap(const RenderScene& scene, const Vec3& origin, int n,
+                             const RenderSettings& settings, const CancelToken& cancel) {
+    std::array<ViewRender, kFaceCount> views;
+    tbb::parallel_for(0, kFaceCount, [&](int f) {
+        const CubeFace face = kCubeFaces[static_cast<size_t>(f)];
+        views[static_cast<size_t>(f)] =
+            render_view(scene, cube_face_view(face, n, origin), settings, cancel, face);
+    });
+    CubemapRender out{.color = Cubemap(n)};
+    for (const CubeFace face : kCubeFaces) {
+        const auto f = static_cast<size_t>(index_of(face));
+        const ViewRender& view = views[f];
+        for (int y = 0; y < n; ++y) {
+            for (int x = 0; x < n; ++x) out.color.at({face, x, y}) = view.color.at(x, y);
+        }
+        out.aux.insert(out.aux.end(), view.aux.begin(), view.aux.end());
+        out.faces[f] = view.stats;
+        out.pixels[f] = view.pixels;
+    }
+    out.color.share_edges();
+    for_each_shared_pixel(n, [&](const CubePixel& pixel, const CubePixel& owner) {
+        out.aux[cube_index(pixel, n)] = out.aux[cube_index(owner, n)];
+    });
+    return out;
+}
+
+}  // namespace probebake

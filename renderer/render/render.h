@@ -1,0 +1,51 @@
+// Whole images and cubemaps by any of the renderers, in tiles, in parallel, cancellable.
+//
+// Every pixel is a pure function of the scene, the view and the settings, and statistics are added
+// up in tile order: the same bytes and counts for any number of threads. Work runs on the calling
+// oneTBB arena.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "image/cubemap.h"
+#include "render/cancel.h"
+#include "render/pixel.h"
+
+namespace probebake {
+
+/// What the aux file holds besides the colour.
+struct PixelAux {
+    float distance = 0.0f;          // mean radial distance, voxels; a miss counts as range.t_max
+    float squared_distance = 0.0f;  // its mean square, voxels²
+    Rgb standard_error{0.0f};       // PixelSums::standard_error
+    float samples = 0.0f;           // kept rays
+};
+
+struct ViewRender {
+    Image color;
+    std::vector<PixelAux> aux;  // row by row
+    CostStats stats;
+    uint64_t pixels = 0;  // rendered: those that the face owns
+};
+
+/// Renders a view. `face` given: only the pixels that this cubemap face owns.
+ViewRender render_view(const RenderScene& scene, const View& view, const RenderSettings& settings,
+                       const CancelToken& cancel, std::optional<CubeFace> face = {});
+
+struct CubemapRender {
+    Cubemap color;
+    std::vector<PixelAux> aux;  // in the order of the cubemap's image
+    std::array<CostStats, kFaceCount> faces;
+    std::array<uint64_t, kFaceCount> pixels{};
+
+    CostStats total() const;
+};
+
+/// The cubemap of n pixels per face seen from `origin` (voxels); shared pixels are rendered once,
+/// by the lowest face that holds them, and copied. Throws Cancelled.
+CubemapRender render_cubemap(const RenderScene& scene, const Vec3& origin, int n,
+                             const RenderSettings& settings, const CancelToken& cancel);
+
+}  // namespace probebake

@@ -1,0 +1,44 @@
+// The renderers and what steers them.
+#pragma once
+
+#include <optional>
+
+#include "error/node_error.h"
+
+namespace probebake {
+
+enum class RendererKind {
+    kReference,   // leaf_grid × leaf_grid leaf rays in every pixel (Müller 2020, 5.1.1)
+    kLod,         // one ray per pixel, at the level of detail of the pixel
+    kAdaptive,    // refines where the luminance of the one-ray image varies (5.1.2)
+    kErrorAware,  // refines where the visibility error of the node hit is large (5.1.3)
+};
+
+/// What the adaptive renderer's 3×3 kernel does with pixels whose ray missed.
+enum class MissesInKernel {
+    kLeftOut,  // the thesis's choice
+    kBlack,
+};
+
+struct RenderSettings {
+    RendererKind kind = RendererKind::kErrorAware;
+    /// Error above which a ray is discarded and refined. Below 0 every ray is, misses too.
+    double threshold = kThesisThreshold;
+    /// Weight of the children's mean error in a node's error (5.1.4).
+    double decay = kThesisDecay;
+    /// Leaf rays per pixel side where a pixel is refined to the leaves: 4, 8 or 16. The thesis's
+    /// renderer has 4.
+    int leaf_grid = 4;
+    /// Level of detail of the first ray: the pixel's footprint, or a fixed octree level (each
+    /// refinement goes one level down).
+    std::optional<int> fixed_level;
+    /// Sum of squared luminance differences that counts as 1 in the adaptive renderer.
+    double normaliser = 1.0;
+    MissesInKernel misses_in_kernel = MissesInKernel::kLeftOut;
+
+    bool operator==(const RenderSettings&) const = default;
+};
+
+const char* name_of(RendererKind kind);
+
+}  // namespace probebake

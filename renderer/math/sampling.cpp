@@ -1,5 +1,7 @@
 #include "math/sampling.h"
 
+#include "math/random.h"
+
 namespace probebake {
 namespace {
 
@@ -43,19 +45,6 @@ Vec2 correlated_multi_jitter(uint32_t index, uint32_t columns, uint32_t rows, ui
     const double n = rows;
     return {(column + (shuffled_row + jitter.uniform()) / n) / m,
             (row + (shuffled_column + jitter.uniform()) / m) / n};
-}
-
-std::vector<Vec2> jittered_grid(int side, RandomStream& random) {
-    std::vector<Vec2> points;
-    points.reserve(static_cast<size_t>(side) * static_cast<size_t>(side));
-    for (int y = 0; y < side; ++y) {
-        for (int x = 0; x < side; ++x) {
-            const double u = random.uniform();
-            const double v = random.uniform();
-            points.push_back({(x + u) / side, (y + v) / side});
-        }
-    }
-    return points;
 }
 
 }  // namespace probebake

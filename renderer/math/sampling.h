@@ -1,9 +1,8 @@
 // Point sets in the unit square.
 #pragma once
 
-#include <vector>
+#include <cstdint>
 
-#include "math/random.h"
 #include "math/vec.h"
 
 namespace probebake {
@@ -12,8 +11,5 @@ namespace probebake {
 /// "Correlated Multi-Jittered Sampling"): one point in every cell of the columns × rows grid, and
 /// one in every of the columns·rows strips of each axis. `pattern` selects the permutations.
 Vec2 correlated_multi_jitter(uint32_t index, uint32_t columns, uint32_t rows, uint32_t pattern);
-
-/// side × side points, one uniform in each cell of the grid, row by row.
-std::vector<Vec2> jittered_grid(int side, RandomStream& random);
 
 }  // namespace probebake

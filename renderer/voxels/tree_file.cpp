@@ -60,7 +60,8 @@ bool indices_fit(const VoxelTree& tree) {
 
 }  // namespace
 
-void save_tree(const std::filesystem::path& path, const VoxelTree& tree) {
+void save_tree(const std::filesystem::path& path, const VoxelTree& tree,
+               const std::string& notes) {
     const ColorPyramid& colors = tree.colors();
     const Summary summary{.depth = static_cast<uint64_t>(tree.depth()),
                           .voxels = tree.voxel_count(),
@@ -72,11 +73,11 @@ void save_tree(const std::filesystem::path& path, const VoxelTree& tree) {
         bytes_of(tree.level_begins()),         bytes_of(colors.albedo.voxels),
         bytes_of(colors.albedo.octants),       bytes_of(colors.albedo.nodes),
         bytes_of(colors.emission.voxels),      bytes_of(colors.emission.octants),
-        bytes_of(colors.emission.nodes)};
+        bytes_of(colors.emission.nodes),        std::as_bytes(std::span(notes))};
     write_checked_file(path, kKind, kVersion, sections);
 }
 
-VoxelTree load_tree(const std::filesystem::path& path) {
+TreeFile load_tree(const std::filesystem::path& path) {
     const CheckedFile file(path, kKind, kVersion);
     const std::vector<Summary> summaries = file.array<Summary>(0);
     std::vector<VoxelNode> nodes = file.array<VoxelNode>(1);
@@ -102,7 +103,8 @@ VoxelTree load_tree(const std::filesystem::path& path) {
         refuse("has colours that do not fit its nodes");
     }
     tree.set_colors(std::move(colors));
-    return tree;
+    const std::vector<char> notes = file.array<char>(9);
+    return {std::move(tree), std::string(notes.begin(), notes.end())};
 }
 
 }  // namespace probebake

@@ -2,16 +2,23 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "voxels/voxel_tree.h"
 
 namespace probebake {
 
-/// Writes the tree and its colours. Throws IoError.
-void save_tree(const std::filesystem::path& path, const VoxelTree& tree);
+struct TreeFile {
+    VoxelTree tree;
+    std::string notes;  // whatever the writer wants back
+};
+
+/// Writes the tree, its colours and the notes. Throws IoError.
+void save_tree(const std::filesystem::path& path, const VoxelTree& tree,
+               const std::string& notes = {});
 
 /// Reads what save_tree wrote. Throws IoError for a damaged, truncated, foreign or older file, and
 /// for one whose arrays do not fit together.
-VoxelTree load_tree(const std::filesystem::path& path);
+TreeFile load_tree(const std::filesystem::path& path);
 
 }  // namespace probebake

@@ -44,7 +44,8 @@ class BruteForce {
     Hit trace(const Ray& ray, const LevelOfDetail& lod, const TraceRange& range) const {
         Hit hit;
         const Interval root = interval(ray, {0, 0, 0}, 1 << depth_);
-        if (levels_[0].empty() || !(root.enter < root.exit) || !(root.exit > range.t_min)) return hit;
+        if (levels_[0].empty() || !(root.enter < root.exit) || !(root.exit > range.t_min))
+            return hit;
         descend(0, depth_, ray, lod, range, hit);
         return hit;
     }
@@ -150,12 +151,13 @@ TEST(Trace, AgreesWithBruteForceOnEveryRayFamily) {
         const double side = 1 << cloud.depth;
         uint64_t family_index = 0;
         for (const test::RayFamily& family : test::ray_families()) {
-            RandomStream random(random_key({1, family_index++, static_cast<uint64_t>(cloud.depth)}));
+            RandomStream random(
+                random_key({1, family_index++, static_cast<uint64_t>(cloud.depth)}));
             for (int i = 0; i < kRaysPerFamily; ++i) {
                 const Ray ray = family.make(random, side);
                 const Mode& mode = kModes[static_cast<size_t>(i) % std::size(kModes)];
-                const std::string what =
-                    cloud_name + ", " + family.name + ", " + mode.name + ", ray " + std::to_string(i);
+                const std::string what = cloud_name + ", " + family.name + ", " + mode.name +
+                                         ", ray " + std::to_string(i);
                 const Hit got = trace(tree, ray, mode.lod, mode.range);
                 if (!family.well_defined) {
                     ASSERT_FALSE(got) << what;
@@ -241,7 +243,8 @@ TEST(Trace, AncestorsEntryFaceAndMasksDescribeTheHit) {
         const auto color_of = [&](const IVec3& corner, int at) {
             Vec3 sum(0.0);
             const auto mean = [&](auto&& self, const IVec3& c, int l) -> Vec3 {
-                if (l == 0) return Vec3(unpack_rgb(tree.colors().albedo.voxels[*tree.find_voxel(c)]));
+                if (l == 0)
+                    return Vec3(unpack_rgb(tree.colors().albedo.voxels[*tree.find_voxel(c)]));
                 Vec3 total(0.0);
                 int count = 0;
                 for (int octant = 0; octant < 8; ++octant) {
@@ -287,8 +290,8 @@ TEST(Trace, AncestorsEntryFaceAndMasksDescribeTheHit) {
 }
 
 TEST(Trace, AVoxelThatHoldsTheOriginIsPassedThrough) {
-    const VoxelTree tree = VoxelTree::build(
-        {.voxels = {make_voxel({0, 0, 0}, 1), make_voxel({2, 0, 0}, 2)}});
+    const VoxelTree tree =
+        VoxelTree::build({.voxels = {make_voxel({0, 0, 0}, 1), make_voxel({2, 0, 0}, 2)}});
     const Hit hit = trace(tree, {{0.5, 0.5, 0.5}, {1.0, 0.0, 0.0}});
     ASSERT_TRUE(hit);
     EXPECT_EQ(hit.t, 1.5);

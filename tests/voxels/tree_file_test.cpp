@@ -19,14 +19,15 @@ TEST(TreeFile, ReadsBackEveryKindOfTree) {
     for (auto& [name, cloud] : test::named_clouds()) {
         const VoxelTree tree = VoxelTree::build(cloud);
         save_tree(path, tree);
-        EXPECT_TRUE(load_tree(path) == tree) << name;
+        EXPECT_TRUE(load_tree(path).tree == tree) << name;
     }
     VoxelCloud lit = test::random_cloud(3, 0.2, 5);
     lit.emission_scale = 64.0f;
     lit.voxels[0].emission = pack_rgb(Rgb(1.0f, 2.0f, 3.0f));
     const VoxelTree tree = VoxelTree::build(lit);
-    save_tree(path, tree);
-    EXPECT_TRUE(load_tree(path) == tree);
+    save_tree(path, tree, "a note");
+    EXPECT_TRUE(load_tree(path).tree == tree);
+    EXPECT_EQ(load_tree(path).notes, "a note");
     std::filesystem::remove(path);
 }
 
@@ -50,7 +51,8 @@ TEST(TreeFile, ATreeThatPointsOutsideItselfIsRefused) {
     const VoxelTree good = VoxelTree::build(test::random_cloud(4, 0.2, 5));
     std::vector<VoxelNode> nodes(good.nodes().begin(), good.nodes().end());
     nodes[0].first_child += 1;
-    VoxelTree bad(good.depth(), nodes, good.level_begins(), good.voxel_count(), good.octant_count());
+    VoxelTree bad(good.depth(), nodes, good.level_begins(), good.voxel_count(),
+                  good.octant_count());
     bad.set_colors(good.colors());
     save_tree(path, bad);  // its checksum is right
     EXPECT_THROW(load_tree(path), IoError);

@@ -1,0 +1,63 @@
+// Means estimated from samples, with confidence intervals that respect skewness.
+//
+// Squared errors of pixels are strongly skewed: most are nearly 0, a few are large. The ordinary t
+// interval is then too low at its upper end. Hall (1992, "On the removal of skewness by
+// transformation", J. R. Statist. Soc. B 54) transforms the studentised mean by a monotone cubic
+// that removes its skewness; with g the skewness of the estimate,
+//
+//   f(T) = T + g T²/3 + g² T³/27 + g/6,      f⁻¹(z) = (3/g) · (cbrt(1 + g (z − g/6)) − 1)
+//
+// and the interval is [mean − s f⁻¹(z_hi), mean − s f⁻¹(z_lo)] with s the standard error.
+#pragma once
+
+#include <cstdint>
+
+namespace probebake {
+
+/// Count, mean and central moments of samples, updated one by one (Pébay 2008).
+class Moments {
+  public:
+    void add(double x);
+
+    uint64_t count() const { return count_; }
+    double mean() const { return mean_; }
+    /// Unbiased variance of a sample; 0 below two samples.
+    double variance() const;
+    /// Third central moment of a sample.
+    double third_moment() const;
+
+  private:
+    uint64_t count_ = 0;
+    double mean_ = 0.0;
+    double m2_ = 0.0;
+    double m3_ = 0.0;
+};
+
+struct Interval {
+    double low = 0.0;
+    double high = 0.0;
+};
+
+/// An estimate of a mean: from one sample, or the weighted sum of independent estimates.
+struct Estimate {
+    double value = 0.0;
+    double variance = 0.0;      // of `value`
+    double third_moment = 0.0;  // central, of `value`
+    uint64_t samples = 0;
+    double degrees_of_freedom = 0.0;
+
+    /// The mean of a sample.
+    static Estimate of_mean(const Moments& moments);
+    /// Adds weight × part, independent of what is in already (Welch-Satterthwaite for the degrees
+    /// of freedom).
+    void add(double weight, const Estimate& part);
+
+    double standard_error() const;
+    /// Two-sided interval; infinite on both sides below two samples.
+    Interval interval(double confidence) const;
+};
+
+/// Quantile of Student's t distribution.
+double student_t_quantile(double probability, double degrees_of_freedom);
+
+}  // namespace probebake

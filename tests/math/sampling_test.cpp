@@ -1,0 +1,70 @@
+#include "math/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <set>
+
+namespace probebake {
+namespace {
+
+TEST(Random, StreamsAreUniform) {
+    RandomStream random(random_key({1, 2, 3}));
+    constexpr int kBins = 64;
+    constexpr int kDraws = 640'000;
+    std::array<int, kBins> bins{};
+    for (int i = 0; i < kDraws; ++i) ++bins[static_cast<size_t>(random.uniform() * kBins)];
+    double chi2 = 0.0;
+    constexpr double kExpected = static_cast<double>(kDraws) / kBins;
+    for (const int count : bins) chi2 += (count - kExpected) * (count - kExpected) / kExpected;
+    EXPECT_LT(chi2, 125.0);  // 63 degrees of freedom: exceeded once in 10^5
+    EXPECT_GT(chi2, 25.0);   // nor suspiciously even
+}
+
+TEST(Random, KeysThatDifferInOnePartGiveUnrelatedStreams) {
+    std::set<uint64_t> firsts;
+    for (uint64_t a = 0; a < 32; ++a) {
+        for (uint64_t b = 0; b < 32; ++b) {
+            for (uint64_t c = 0; c < 32; ++c) {
+                firsts.insert(RandomStream(random_key({a, b, c})).next());
+            }
+        }
+    }
+    EXPECT_EQ(firsts.size(), 32u * 32u * 32u);
+    // Neighbouring keys: bits of the first numbers agree half of the time.
+    int differing = 0;
+    for (uint64_t a = 0; a < 1000; ++a) {
+        differing += std::popcount(RandomStream(random_key({a})).next() ^
+                                   RandomStream(random_key({a + 1})).next());
+    }
+    EXPECT_NEAR(differing / 64000.0, 0.5, 0.01);
+}
+
+TEST(Sampling, CorrelatedMultiJitterFillsCellsAndStrips) {
+    constexpr uint32_t kColumns = 16;
+    constexpr uint32_t kRows = 8;
+    constexpr uint32_t kCount = kColumns * kRows;
+    for (const uint32_t pattern : {1u, 2u, 99u}) {
+        std::set<std::pair<int, int>> cells;
+        std::set<int> columns;
+        std::set<int> rows;
+        for (uint32_t i = 0; i < kCount; ++i) {
+            const Vec2 p = correlated_multi_jitter(i, kColumns, kRows, pattern);
+            ASSERT_GE(p.x, 0.0);
+            ASSERT_LT(p.x, 1.0);
+            ASSERT_GE(p.y, 0.0);
+            ASSERT_LT(p.y, 1.0);
+            cells.insert({static_cast<int>(p.x * kColumns), static_cast<int>(p.y * kRows)});
+            columns.insert(static_cast<int>(p.x * kCount));
+            rows.insert(static_cast<int>(p.y * kCount));
+        }
+        EXPECT_EQ(cells.size(), kCount);
+        EXPECT_EQ(columns.size(), kCount);
+        EXPECT_EQ(rows.size(), kCount);
+    }
+}
+
+}  // namespace
+}  // namespace probebake

@@ -90,6 +90,21 @@ CubePixel owner_of(const CubePixel& pixel, int n) {
     return pixel;
 }
 
+Rgb sample_bilinear(const Cubemap& cubemap, const Vec3& direction) {
+    const int n = cubemap.face_size();
+    const FacePoint point = face_point(direction);
+    if (n == 1) return cubemap.at({point.face, 0, 0});
+    const double x = (point.u + 1.0) / 2.0 * (n - 1);
+    const double y = (point.v + 1.0) / 2.0 * (n - 1);
+    const int x0 = std::clamp(static_cast<int>(x), 0, n - 2);
+    const int y0 = std::clamp(static_cast<int>(y), 0, n - 2);
+    const auto row = [&](int at_y) {
+        return glm::mix(cubemap.at({point.face, x0, at_y}), cubemap.at({point.face, x0 + 1, at_y}),
+                        static_cast<float>(x - x0));
+    };
+    return glm::mix(row(y0), row(y0 + 1), static_cast<float>(y - y0));
+}
+
 void Cubemap::share_edges() {
     for_each_shared_pixel(
         n_, [&](const CubePixel& pixel, const CubePixel& owner) { at(pixel) = at(owner); });

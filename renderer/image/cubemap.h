@@ -15,7 +15,7 @@
 // Source: OpenEXR's ImfEnvmap.h; docs/conventions.md.
 #pragma once
 
-#include <vector>
+#include <cstdint>
 
 #include "image/image.h"
 #include "math/cube_face.h"
@@ -50,12 +50,32 @@ inline double grid_coordinate(double x, int n) {
 /// Distance of neighbouring pixels in u and v.
 inline double grid_spacing(int n) { return n > 1 ? 2.0 / (n - 1) : 2.0; }
 
-/// The solid angle (sr) of what pixel (x, y) of a face of n pixels stands for: its cell of the grid,
-/// clipped at the edge of the face. The same on every face; the six faces sum to 4π.
+/// The solid angle (sr) of what pixel (x, y) of a face of n pixels stands for: its cell of the
+/// grid, clipped at the edge of the face. The same on every face; the six faces sum to 4π.
 double pixel_solid_angle(int x, int y, int n);
 
 /// The pixel that owns the value of `pixel` in a cubemap of n pixels per face.
 CubePixel owner_of(const CubePixel& pixel, int n);
+
+/// Distinct pixels of a cubemap of n pixels per face: what is left when shared ones count once.
+constexpr uint64_t owned_pixel_count(int n) {
+    const auto inner = static_cast<uint64_t>(n > 2 ? n - 2 : 0);
+    return n == 1 ? 6 : 6 * inner * inner + 12 * inner + 8;
+}
+
+/// Of these, those that one face owns: +X owns all of its, −X too, the others what is left.
+constexpr uint64_t owned_pixel_count(CubeFace face, int n) {
+    if (n == 1) return 1;
+    const auto size = static_cast<uint64_t>(n);
+    switch (axis_of(face)) {
+        case 0:
+            return size * size;
+        case 1:
+            return (size - 2) * size;
+        default:
+            return (size - 2) * (size - 2);
+    }
+}
 
 /// Calls visit(pixel, owner) for every pixel that another face owns.
 template <class Visit>

@@ -1,6 +1,7 @@
 #include "render/adaptive.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace probebake {
@@ -38,28 +39,28 @@ int adaptive_grid(double variation, double normaliser) {
     return 0;
 }
 
+uint64_t adaptive_rays(std::span<const double> variations, double normaliser) {
+    uint64_t rays = variations.size();
+    for (const double variation : variations) {
+        const int grid = adaptive_grid(variation, normaliser);
+        rays += static_cast<uint64_t>(grid * grid);
+    }
+    return rays;
+}
+
 double solve_normaliser(std::vector<double> variations, uint64_t rays) {
-    std::sort(variations.begin(), variations.end(), std::greater<>());
-    const auto cost = [&](double normaliser) {
-        uint64_t total = variations.size();
-        for (const double variation : variations) {
-            const int grid = adaptive_grid(variation, normaliser);
-            if (grid == 0) break;
-            total += static_cast<uint64_t>(grid * grid);
-        }
-        return total;
-    };
     // The cost falls as the normaliser grows, in steps at variation / 0.25 and variation / 0.75.
     std::vector<double> candidates{std::numeric_limits<double>::infinity()};
     for (const double variation : variations) {
-        if (!(variation > 0.0)) break;
+        if (!(variation > 0.0)) continue;
         for (const double share : {kAdaptiveTwoByTwo, kAdaptiveFourByFour}) {
-            candidates.push_back(variation / share);
+            candidates.push_back(std::nextafter(variation / share, candidates.front()));
         }
     }
     std::sort(candidates.begin(), candidates.end());
-    const auto affordable = std::partition_point(candidates.begin(), candidates.end(),
-                                                 [&](double n) { return cost(n) > rays; });
+    const auto affordable =
+        std::partition_point(candidates.begin(), candidates.end(),
+                             [&](double n) { return adaptive_rays(variations, n) > rays; });
     return affordable == candidates.end() ? candidates.back() : *affordable;
 }
 

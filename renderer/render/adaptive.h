@@ -32,6 +32,9 @@ double luminance_variation(std::span<const OneRayPixel> pixels, int width_px, in
 /// Leaf rays per pixel side that a variation asks for: 0 (keep the first ray), 2 or 4.
 int adaptive_grid(double variation, double normaliser);
 
+/// Rays that pixels of these variations cost, first rays included.
+uint64_t adaptive_rays(std::span<const double> variations, double normaliser);
+
 /// The normaliser with which pixels of these variations cost at most `rays` in all (first rays
 /// included), as many of them as fit. Infinity where `rays` allows no refinement at all.
 double solve_normaliser(std::vector<double> variations, uint64_t rays);

@@ -13,21 +13,21 @@ Vec2 quadrant_centre(int x, int y, int q) {
     return {x - 0.25 + 0.5 * (q & 1), y - 0.25 + 0.5 * (q >> 1)};
 }
 
-struct Probe {
-    PixelRay cast;
+struct Cast {
+    PixelRay pixel;
     Hit hit;
 };
 
 /// The ray of a pixel (refinement 0) or of a quadrant (refinement 1).
-Probe coarse_ray(const RenderScene& scene, const View& view, const Vec2& at, int refinement,
+Cast coarse_ray(const RenderScene& scene, const View& view, const Vec2& at, int refinement,
                  const RenderSettings& settings) {
-    Probe probe{pixel_ray(view, at.x, at.y, refinement == 0 ? 1.0 : 0.5), {}};
+    Cast cast{pixel_ray(view, at.x, at.y, refinement == 0 ? 1.0 : 0.5), {}};
     const LevelOfDetail lod =
         settings.fixed_level
             ? LevelOfDetail{.fixed_level = std::max(0, *settings.fixed_level - refinement)}
-            : LevelOfDetail{.cone = probe.cast.cone};
-    probe.hit = trace(scene.tree, probe.cast.ray, lod, scene.range);
-    return probe;
+            : LevelOfDetail{.cone = cast.pixel.cone};
+    cast.hit = trace(scene.tree, cast.pixel.ray, lod, scene.range);
+    return cast;
 }
 
 /// Calls visit(hit) for the per_side² leaf rays on the regular grid of a quadrant.
@@ -70,32 +70,29 @@ double hit_error(const RenderScene& scene, const Vec3& direction, const Hit& hit
                       std::span(masks.children).first(masks.child_count), decay);
 }
 
-PixelSums error_aware_pixel(const RenderScene& scene, const View& view, int x, int y,
-                            const RenderSettings& settings, CostStats& stats) {
+FirstRay first_ray(const RenderScene& scene, const View& view, int x, int y,
+                   const RenderSettings& settings) {
+    const Cast cast = coarse_ray(scene, view, {x, y}, 0, settings);
+    return {cast.hit, shade(scene, cast.hit),
+            hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay)};
+}
+
+PixelSums refine_pixel(const RenderScene& scene, const View& view, int x, int y,
+                       const RenderSettings& settings, CostStats& stats) {
     PixelSums sums;
     const double t_max = scene.range.t_max;
-    const auto too_coarse = [&](const Probe& probe) {
-        return needs_refinement(
-            hit_error(scene, probe.cast.ray.direction, probe.hit, settings.decay),
-            settings.threshold);
-    };
-    const Probe first = coarse_ray(scene, view, {x, y}, 0, settings);
-    if (!too_coarse(first)) {
-        stats.keep(first.hit);
-        sums.add(shade(scene, first.hit), first.hit.t, t_max, 1.0);
-        return sums;
-    }
-    stats.discard(first.hit);
     const int per_side = settings.leaf_grid / 2;
     for (int q = 0; q < 4; ++q) {
         const Vec2 at = quadrant_centre(x, y, q);
-        const Probe second = coarse_ray(scene, view, at, 1, settings);
-        if (!too_coarse(second)) {
-            stats.keep(second.hit);
-            sums.add(shade(scene, second.hit), second.hit.t, t_max, 0.25);
+        const Cast cast = coarse_ray(scene, view, at, 1, settings);
+        const double error =
+            hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
+        if (!needs_refinement(error, settings.threshold)) {
+            stats.keep(cast.hit);
+            sums.add(shade(scene, cast.hit), cast.hit.t, t_max, 0.25);
             continue;
         }
-        stats.discard(second.hit);
+        stats.discard(cast.hit);
         const double weight = 0.25 / (per_side * per_side);
         leaf_rays(scene, view, at, per_side, [&](const Hit& hit) {
             stats.keep(hit);
@@ -105,35 +102,54 @@ PixelSums error_aware_pixel(const RenderScene& scene, const View& view, int x, i
     return sums;
 }
 
+PixelSums error_aware_pixel(const RenderScene& scene, const View& view, int x, int y,
+                            const RenderSettings& settings, CostStats& stats) {
+    const FirstRay first = first_ray(scene, view, x, y, settings);
+    if (needs_refinement(first.error, settings.threshold)) {
+        stats.discard(first.hit);
+        return refine_pixel(scene, view, x, y, settings, stats);
+    }
+    stats.keep(first.hit);
+    PixelSums sums;
+    sums.add(first.color, first.hit.t, scene.range.t_max, 1.0);
+    return sums;
+}
+
 RefinementRecord record_refinement(const RenderScene& scene, const View& view, int x, int y,
-                                   const RenderSettings& settings, int max_leaf_grid,
-                                   CostStats& stats) {
-    const auto coarse = [&](const Probe& probe) {
-        stats.keep(probe.hit);
-        return RefinementRecord::Rays{Vec3(shade(scene, probe.hit)), probe.hit.steps, 1};
+                                   const RenderSettings& settings, CostStats& stats) {
+    const auto error_of = [&](const Cast& cast) {
+        return hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
+    };
+    const auto rays_of = [&](const Cast& cast) {
+        stats.keep(cast.hit);
+        return RefinementRecord::Rays{Vec3(shade(scene, cast.hit)), cast.hit.steps, 1};
     };
     RefinementRecord record;
-    const Probe first = coarse_ray(scene, view, {x, y}, 0, settings);
-    record.first = coarse(first);
-    record.first_error = hit_error(scene, first.cast.ray.direction, first.hit, settings.decay);
+    const Cast first = coarse_ray(scene, view, {x, y}, 0, settings);
+    record.first = rays_of(first);
+    record.first_error = error_of(first);
     for (int q = 0; q < 4; ++q) {
-        const Vec2 at = quadrant_centre(x, y, q);
         RefinementRecord::Quadrant& quadrant = record.quadrants[static_cast<size_t>(q)];
-        const Probe second = coarse_ray(scene, view, at, 1, settings);
-        quadrant.coarse = coarse(second);
-        quadrant.error = hit_error(scene, second.cast.ray.direction, second.hit, settings.decay);
-        for (size_t g = 0; g < kLeafGrids.size() && kLeafGrids[g] <= max_leaf_grid; ++g) {
-            const int per_side = kLeafGrids[g] / 2;
-            RefinementRecord::Rays& leaves = quadrant.leaves[g];
-            leaf_rays(scene, view, at, per_side, [&](const Hit& hit) {
-                stats.keep(hit);
-                leaves.color += Vec3(shade(scene, hit)) / static_cast<double>(per_side * per_side);
-                leaves.steps += hit.steps;
-                ++leaves.rays;
-            });
-        }
+        const Cast second = coarse_ray(scene, view, quadrant_centre(x, y, q), 1, settings);
+        quadrant.coarse = rays_of(second);
+        quadrant.error = error_of(second);
     }
     return record;
+}
+
+void record_leaves(const RenderScene& scene, const View& view, int x, int y, int leaf_grid,
+                   RefinementRecord& record, CostStats& stats) {
+    const int per_side = leaf_grid / 2;
+    for (int q = 0; q < 4; ++q) {
+        RefinementRecord::Rays& leaves =
+            record.quadrants[static_cast<size_t>(q)].leaves[leaf_grid_index(leaf_grid)];
+        leaf_rays(scene, view, quadrant_centre(x, y, q), per_side, [&](const Hit& hit) {
+            stats.keep(hit);
+            leaves.color += Vec3(shade(scene, hit)) / static_cast<double>(per_side * per_side);
+            leaves.steps += hit.steps;
+            ++leaves.rays;
+        });
+    }
 }
 
 RefinementRecord::Rays replay(const RefinementRecord& record, double threshold, int leaf_grid) {

@@ -19,8 +19,23 @@ double hit_error(const RenderScene& scene, const Vec3& direction, const Hit& hit
 PixelSums error_aware_pixel(const RenderScene& scene, const View& view, int x, int y,
                             const RenderSettings& settings, CostStats& stats);
 
-/// Every ray that error_aware_pixel could cast in a pixel, so that the outcome of any threshold and
-/// leaf grid is known without casting again: what the quality search works on.
+/// The two halves of error_aware_pixel, for renderers that decide on many pixels at once: the first
+/// ray, not yet counted, and what replaces it where it is discarded.
+struct FirstRay {
+    Hit hit;
+    Rgb color{0.0f};
+    double error = 0.0;  // E_N of the node hit
+};
+FirstRay first_ray(const RenderScene& scene, const View& view, int x, int y,
+                   const RenderSettings& settings);
+PixelSums refine_pixel(const RenderScene& scene, const View& view, int x, int y,
+                       const RenderSettings& settings, CostStats& stats);
+
+/// Leaf grids that refinement may end in.
+inline constexpr std::array<int, 3> kLeafGrids = {4, 8, 16};
+
+/// Rays that error_aware_pixel could cast in a pixel, so that the outcome of every threshold is
+/// known without casting again: what the quality search works on.
 struct RefinementRecord {
     struct Rays {
         Vec3 color{0.0};  // mean
@@ -30,22 +45,23 @@ struct RefinementRecord {
     struct Quadrant {
         Rays coarse;
         double error = 0.0;
-        std::array<Rays, 3> leaves;  // for leaf grids 4, 8, 16
+        std::array<Rays, kLeafGrids.size()> leaves;  // empty for grids not cast
     };
     Rays first;
     double first_error = 0.0;
     std::array<Quadrant, 4> quadrants;
 };
 
-/// Leaf grids of a RefinementRecord.
-inline constexpr std::array<int, 3> kLeafGrids = {4, 8, 16};
-
-/// Casts them all, up to leaf grid `max_leaf_grid`. Rays and steps are added to `stats`.
+/// Casts the pixel's ray and its four quadrants'; counted in `stats`.
 RefinementRecord record_refinement(const RenderScene& scene, const View& view, int x, int y,
-                                   const RenderSettings& settings, int max_leaf_grid,
-                                   CostStats& stats);
+                                   const RenderSettings& settings, CostStats& stats);
 
-/// Colour, rays (kept and discarded) and steps of error_aware_pixel at a threshold and leaf grid.
+/// Adds the leaf rays of one of kLeafGrids.
+void record_leaves(const RenderScene& scene, const View& view, int x, int y, int leaf_grid,
+                   RefinementRecord& record, CostStats& stats);
+
+/// Colour, rays (kept and discarded) and steps of error_aware_pixel at a threshold and a leaf grid
+/// that was recorded.
 RefinementRecord::Rays replay(const RefinementRecord& record, double threshold, int leaf_grid);
 
 /// The same for the reference renderer with that leaf grid.

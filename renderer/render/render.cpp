@@ -37,8 +37,8 @@ CostStats for_each_tile(int height_px, const CancelToken& cancel, RenderRow rend
 class ViewRenderer {
   public:
     ViewRenderer(const RenderScene& scene, const View& view, const RenderSettings& settings,
-                 const CancelToken& cancel, std::optional<CubeFace> face)
-        : scene_(scene), view_(view), settings_(settings), cancel_(cancel), face_(face) {
+                 const CancelToken& cancel, const ViewExtent& extent)
+        : scene_(scene), view_(view), settings_(settings), cancel_(cancel), extent_(extent) {
         const auto pixels =
             static_cast<size_t>(view.width_px) * static_cast<size_t>(view.height_px);
         out_.color = Image(view.width_px, view.height_px);
@@ -50,32 +50,37 @@ class ViewRenderer {
             for (int x = 0; x < view_.width_px; ++x) out_.pixels += renders(x, y) ? 1 : 0;
         }
         switch (settings_.kind) {
-            case RendererKind::kReference:
-                each_pixel([&](int x, int y, CostStats& stats) {
-                    return uniform_pixel(scene_, view_, x, y, settings_.leaf_grid, stats);
-                });
-                break;
+            case RendererKind::kReference: reference(); break;
             case RendererKind::kLod:
                 each_pixel([&](int x, int y, CostStats& stats) {
                     return lod_pixel(scene_, view_, x, y, settings_, stats);
                 });
                 break;
             case RendererKind::kErrorAware:
-                each_pixel([&](int x, int y, CostStats& stats) {
-                    return error_aware_pixel(scene_, view_, x, y, settings_, stats);
-                });
+                if (extent_.ray_limit) {
+                    error_aware_within(*extent_.ray_limit);
+                } else {
+                    each_pixel([&](int x, int y, CostStats& stats) {
+                        return error_aware_pixel(scene_, view_, x, y, settings_, stats);
+                    });
+                }
                 break;
-            case RendererKind::kAdaptive:
-                adaptive();
-                break;
+            case RendererKind::kAdaptive: adaptive(); break;
         }
         return std::move(out_);
     }
 
   private:
+    /// A pixel whose first ray asks for refinement.
+    struct Refinable {
+        int x;
+        int y;
+        FirstRay first;
+    };
+
     bool renders(int x, int y) const {
-        if (!face_) return true;
-        const CubePixel pixel{*face_, x, y};
+        if (!extent_.face) return true;
+        const CubePixel pixel{*extent_.face, x, y};
         return owner_of(pixel, view_.width_px) == pixel;
     }
     size_t index(int x, int y) const {
@@ -98,6 +103,64 @@ class ViewRenderer {
         });
     }
 
+    void reference() {
+        int grid = settings_.leaf_grid;
+        const auto cost = [&] { return static_cast<uint64_t>(grid * grid) * out_.pixels; };
+        while (extent_.ray_limit && grid > 1 && cost() > *extent_.ray_limit) --grid;
+        out_.limited = grid < settings_.leaf_grid;
+        each_pixel([&](int x, int y, CostStats& stats) {
+            return uniform_pixel(scene_, view_, x, y, grid, stats);
+        });
+    }
+
+    /// First rays everywhere; then refinement in rounds, the largest errors first. A round takes as
+    /// many pixels as the rays that are left can pay for at worst, so that the limit always holds.
+    void error_aware_within(uint64_t ray_limit) {
+        std::vector<std::vector<Refinable>> rows(static_cast<size_t>(view_.height_px));
+        out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (!renders(x, y)) continue;
+                const FirstRay first = first_ray(scene_, view_, x, y, settings_);
+                PixelSums sums;
+                sums.add(first.color, first.hit.t, scene_.range.t_max, 1.0);
+                store(x, y, sums);
+                if (needs_refinement(first.error, settings_.threshold)) {
+                    rows[static_cast<size_t>(y)].push_back({x, y, first});
+                } else {
+                    stats.keep(first.hit);
+                }
+            }
+        });
+        std::vector<Refinable> waiting;
+        for (const auto& row : rows) waiting.insert(waiting.end(), row.begin(), row.end());
+        std::stable_sort(waiting.begin(), waiting.end(), [](const Refinable& a, const Refinable& b) {
+            return a.first.error > b.first.error;
+        });
+
+        const auto worst = static_cast<uint64_t>(4 + settings_.leaf_grid * settings_.leaf_grid);
+        size_t refined = 0;
+        for (;;) {
+            // The first rays of waiting pixels are cast, but not yet counted.
+            const uint64_t spent = out_.stats.all_rays() + (waiting.size() - refined);
+            const uint64_t affordable = ray_limit > spent ? (ray_limit - spent) / worst : 0;
+            const size_t round = std::min<size_t>(affordable, waiting.size() - refined);
+            if (round == 0) break;
+            out_.stats += refine(std::span<const Refinable>(waiting).subspan(refined, round));
+            refined += round;
+        }
+        out_.limited = refined < waiting.size();
+        for (; refined < waiting.size(); ++refined) out_.stats.keep(waiting[refined].first.hit);
+    }
+
+    CostStats refine(std::span<const Refinable> pixels) {
+        return for_each_tile(static_cast<int>(pixels.size()), cancel_, [&](int i, CostStats& stats) {
+            const Refinable& pixel = pixels[static_cast<size_t>(i)];
+            stats.discard(pixel.first.hit);
+            store(pixel.x, pixel.y,
+                  refine_pixel(scene_, view_, pixel.x, pixel.y, settings_, stats));
+        });
+    }
+
     void adaptive() {
         std::vector<OneRayPixel> first(out_.aux.size());
         std::vector<CostStats> first_stats(out_.aux.size());
@@ -111,13 +174,26 @@ class ViewRenderer {
                     first[index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
                 }
             });
+        std::vector<double> variation(first.size());
+        std::vector<double> rendered;
+        for (int y = 0; y < view_.height_px; ++y) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (!renders(x, y)) continue;
+                variation[index(x, y)] = luminance_variation(
+                    first, view_.width_px, view_.height_px, x, y, settings_.misses_in_kernel);
+                rendered.push_back(variation[index(x, y)]);
+            }
+        }
+        double normaliser = settings_.normaliser;
+        if (extent_.ray_limit && adaptive_rays(rendered, normaliser) > *extent_.ray_limit) {
+            normaliser = solve_normaliser(std::move(rendered), *extent_.ray_limit);
+            out_.limited = true;
+        }
         out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
                 const CostStats& cast = first_stats[index(x, y)];
-                const double variation = luminance_variation(first, view_.width_px, view_.height_px,
-                                                             x, y, settings_.misses_in_kernel);
-                const int grid = adaptive_grid(variation, settings_.normaliser);
+                const int grid = adaptive_grid(variation[index(x, y)], normaliser);
                 if (grid == 0) {
                     stats += cast;
                     continue;
@@ -134,7 +210,7 @@ class ViewRenderer {
     const View& view_;
     const RenderSettings& settings_;
     const CancelToken& cancel_;
-    std::optional<CubeFace> face_;
+    ViewExtent extent_;
     ViewRender out_;
 };
 
@@ -155,8 +231,8 @@ const char* name_of(RendererKind kind) {
 }
 
 ViewRender render_view(const RenderScene& scene, const View& view, const RenderSettings& settings,
-                       const CancelToken& cancel, std::optional<CubeFace> face) {
-    return ViewRenderer(scene, view, settings, cancel, face).run();
+                       const CancelToken& cancel, const ViewExtent& extent) {
+    return ViewRenderer(scene, view, settings, cancel, extent).run();
 }
 
 CostStats CubemapRender::total() const {
@@ -166,12 +242,29 @@ CostStats CubemapRender::total() const {
 }
 
 CubemapRender render_cubemap(const RenderScene& scene, const Vec3& origin, int n,
-                             const RenderSettings& settings, const CancelToken& cancel) {
+                             const RenderSettings& settings, const CancelToken& cancel,
+                             std::optional<uint64_t> ray_limit) {
+    std::array<ViewExtent, kFaceCount> extents;
+    uint64_t pixels_before = 0;
+    for (const CubeFace face : kCubeFaces) {
+        ViewExtent& extent = extents[static_cast<size_t>(index_of(face))];
+        extent.face = face;
+        const uint64_t pixels_after = pixels_before + owned_pixel_count(face, n);
+        if (ray_limit) {
+            const auto share = [&](uint64_t pixels) {
+                return static_cast<uint64_t>(static_cast<unsigned __int128>(*ray_limit) * pixels /
+                                             owned_pixel_count(n));
+            };
+            extent.ray_limit = share(pixels_after) - share(pixels_before);
+        }
+        pixels_before = pixels_after;
+    }
     std::array<ViewRender, kFaceCount> views;
     tbb::parallel_for(0, kFaceCount, [&](int f) {
         const CubeFace face = kCubeFaces[static_cast<size_t>(f)];
         views[static_cast<size_t>(f)] =
-            render_view(scene, cube_face_view(face, n, origin), settings, cancel, face);
+            render_view(scene, cube_face_view(face, n, origin), settings, cancel,
+                        extents[static_cast<size_t>(f)]);
     });
     CubemapRender out{.color = Cubemap(n)};
     for (const CubeFace face : kCubeFaces) {
@@ -183,6 +276,7 @@ CubemapRender render_cubemap(const RenderScene& scene, const Vec3& origin, int n
         out.aux.insert(out.aux.end(), view.aux.begin(), view.aux.end());
         out.faces[f] = view.stats;
         out.pixels[f] = view.pixels;
+        out.limited = out.limited || view.limited;
     }
     out.color.share_edges();
     for_each_shared_pixel(n, [&](const CubePixel& pixel, const CubePixel& owner) {

@@ -101,7 +101,10 @@ TEST_F(ErrorAwareTest, RefinesExactlyWhereTheNodesErrorExceedsTheThreshold) {
 TEST_F(ErrorAwareTest, AReplayedRecordIsTheRender) {
     for_each_pixel([&](const View& view, int x, int y) {
         CostStats pilot;
-        const RefinementRecord record = record_refinement(scene_, view, x, y, {}, 16, pilot);
+        RefinementRecord record = record_refinement(scene_, view, x, y, {}, pilot);
+        for (const int grid : kLeafGrids) {
+            record_leaves(scene_, view, x, y, grid, record, pilot);
+        }
         ASSERT_EQ(pilot.all_rays(), 1u + 4u + 16u + 64u + 256u);
         const auto expect_same = [](const RefinementRecord::Rays& replayed, const PixelSums& sums,
                                     const CostStats& stats) {

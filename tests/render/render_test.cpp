@@ -126,6 +126,53 @@ TEST_F(RenderTest, DistanceIsRadialAndCappedAtTheRange) {
     }
 }
 
+TEST_F(RenderTest, ARayLimitHoldsAndIsSpentWhereItIsNeeded) {
+    const CancelToken cancel;
+    for (const int n : {2, 3, 16}) {
+        const uint64_t pixels = owned_pixel_count(n);
+        for (const RendererKind kind : kKinds) {
+            const RenderSettings settings{
+                .kind = kind, .threshold = 0.01, .leaf_grid = 8, .normaliser = 1e-6};
+            const CostStats unlimited =
+                render_cubemap(scene_, test::kSmallWorldProbe, n, settings, cancel).total();
+            uint64_t before = 0;
+            for (const uint64_t limit : {pixels, 2 * pixels + 5, 9 * pixels, 400 * pixels}) {
+                const CubemapRender render =
+                    render_cubemap(scene_, test::kSmallWorldProbe, n, settings, cancel, limit);
+                const uint64_t rays = render.total().all_rays();
+                EXPECT_LE(rays, limit) << name_of(kind) << ", " << n;
+                EXPECT_GE(rays, before);
+                EXPECT_EQ(render.limited, rays < unlimited.all_rays());
+                before = rays;
+            }
+            EXPECT_EQ(before, unlimited.all_rays());
+        }
+    }
+    // Half of the rays that the thesis's settings ask for are nearly all spent.
+    const uint64_t half = render(RendererKind::kErrorAware, 16).total().all_rays() / 2;
+    const CostStats limited =
+        render_cubemap(scene_, test::kSmallWorldProbe, 16, {}, cancel, half).total();
+    EXPECT_GT(limited.all_rays() + 6 * 21, half);
+}
+
+TEST_F(RenderTest, OwnedPixelsAreCountedByFace) {
+    for (const int n : {1, 2, 3, 4, 17}) {
+        uint64_t total = 0;
+        for (const CubeFace face : kCubeFaces) {
+            uint64_t owned = 0;
+            for (int y = 0; y < n; ++y) {
+                for (int x = 0; x < n; ++x) {
+                    const CubePixel pixel{face, x, y};
+                    if (owner_of(pixel, n) == pixel) ++owned;
+                }
+            }
+            EXPECT_EQ(owned_pixel_count(face, n), owned) << n << ", " << index_of(face);
+            total += owned;
+        }
+        EXPECT_EQ(owned_pixel_count(n), total);
+    }
+}
+
 TEST_F(RenderTest, ACancelledRenderThrows) {
     CancelToken cancel;
     cancel.cancel();

@@ -1,0 +1,176 @@
+#include "bake/audit.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "bake/probe_view.h"
+#include "image/ssim.h"
+
+namespace probebake {
+namespace {
+
+constexpr double kUniformShare = 0.5;
+/// Rays per side of each of a window pixel's two truths: 121 pixels average their noise.
+constexpr int kWindowTruthGrid = 2;
+
+CubePixel pixel_at(size_t index, int n) {
+    const auto size = static_cast<size_t>(n);
+    return {kCubeFaces[index / (size * size)], static_cast<int>(index % size),
+            static_cast<int>(index / size % size)};
+}
+
+/// Largest squared difference of luminance to the four neighbours on the face.
+double contrast(const Cubemap& cube, const CubePixel& p) {
+    const int n = cube.face_size();
+    const double here = luminance(cube.at(p));
+    double largest = 0.0;
+    const auto compare = [&](int x, int y) {
+        if (x < 0 || y < 0 || x >= n || y >= n) return;
+        largest = std::max(largest, std::abs(luminance(cube.at({p.face, x, y})) - here));
+    };
+    compare(p.x - 1, p.y);
+    compare(p.x + 1, p.y);
+    compare(p.x, p.y - 1);
+    compare(p.x, p.y + 1);
+    return largest * largest;
+}
+
+/// Probability of every stored pixel to be drawn.
+std::vector<double> draw_probabilities(const AuditSpec& spec) {
+    const int n = spec.as_written.face_size();
+    std::vector<double> probability(spec.aux.size());
+    double sum = 0.0;
+    for (size_t i = 0; i < probability.size(); ++i) {
+        const CubePixel pixel = pixel_at(i, n);
+        probability[i] = pixel_weight(spec.weighting, pixel, n) *
+                         contrast(spec.as_written, pixel) / spec.aux[i].samples;
+        sum += probability[i];
+    }
+    const double uniform = 1.0 / static_cast<double>(probability.size());
+    for (double& p : probability) {
+        p = sum > 0.0 ? kUniformShare * uniform + (1.0 - kUniformShare) * p / sum : uniform;
+    }
+    return probability;
+}
+
+class AuditRun {
+  public:
+    AuditRun(const AuditSpec& spec, const CancelToken& cancel)
+        : spec_(spec), cancel_(cancel), n_(spec.as_written.face_size()) {}
+
+    Audit run() {
+        audit_pixels();
+        if (spec_.windows > 0) audit_windows();
+        return std::move(audit_);
+    }
+
+  private:
+    RandomStream choice_stream(uint64_t part) const {
+        return RandomStream(random_key(
+            {spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditChoice), part}));
+    }
+    TruthPair truth_of(const CubePixel& stored, uint64_t part, int side, CostStats& stats) const {
+        const CubePixel owner = owner_of(stored, n_);
+        const View view = cube_face_view(owner.face, n_, spec_.origin);
+        const uint64_t key =
+            random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditTruth), part});
+        return truth_pair(spec_.scene, view, owner.x, owner.y,
+                          {.against = spec_.against, .key = key, .side = side}, stats);
+    }
+
+    /// Calls measure(i, stats) for i < count in parallel; adds up the costs in order.
+    template <class Measure>
+    void for_each(size_t count, Measure measure) {
+        std::vector<CostStats> stats(count);
+        tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+            if (cancel_.cancelled()) return;
+            const auto start = std::chrono::steady_clock::now();
+            measure(i, stats[i]);
+            stats[i].seconds =
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        });
+        cancel_.throw_if_cancelled();
+        for (const CostStats& part : stats) audit_.cost += part;
+    }
+
+    void audit_pixels() {
+        const std::vector<double> probability = draw_probabilities(spec_);
+        std::vector<double> cumulative(probability.size());
+        double sum = 0.0;
+        for (size_t i = 0; i < probability.size(); ++i) cumulative[i] = sum += probability[i];
+        RandomStream random = choice_stream(0);
+        std::vector<size_t> drawn;
+        for (int i = 0; i < spec_.pixels; ++i) {
+            const auto at =
+                std::upper_bound(cumulative.begin(), cumulative.end(), random.uniform() * sum);
+            drawn.push_back(std::min(static_cast<size_t>(at - cumulative.begin()),
+                                     cumulative.size() - 1));
+        }
+        std::vector<double> errors(drawn.size());
+        for_each(drawn.size(), [&](size_t i, CostStats& stats) {
+            const CubePixel pixel = pixel_at(drawn[i], n_);
+            const double error = squared_error(spec_.as_written.at(pixel),
+                                               truth_of(pixel, i, kTruthGrid, stats),
+                                               spec_.exposure);
+            const double inverse =
+                1.0 / (static_cast<double>(probability.size()) * probability[drawn[i]]);
+            errors[i] = pixel_weight(spec_.weighting, pixel, n_) * error * inverse;
+        });
+        Moments moments;
+        for (const double error : errors) moments.add(error);
+        audit_.error.mse = Estimate::of_mean(moments);
+        audit_.pixels = drawn.size();
+    }
+
+    void audit_windows() {
+        RandomStream random = choice_stream(1);
+        std::vector<CubePixel> corners;
+        const auto range = static_cast<uint64_t>(n_ - kSsimWindow_px + 1);
+        for (int i = 0; i < spec_.windows; ++i) {
+            const CubeFace face = kCubeFaces[random.below(kFaceCount)];
+            const int x = static_cast<int>(random.below(range));
+            corners.push_back({face, x, static_cast<int>(random.below(range))});
+        }
+        std::vector<double> values(corners.size());
+        for_each(corners.size(), [&](size_t i, CostStats& stats) {
+            values[i] = window_ssim(corners[i], static_cast<uint64_t>(spec_.pixels) + i, stats);
+        });
+        Moments moments;
+        for (const double value : values) moments.add(value);
+        audit_.error.ssim = Estimate::of_mean(moments);
+        audit_.windows = corners.size();
+    }
+
+    double window_ssim(const CubePixel& corner, uint64_t part, CostStats& stats) const {
+        SsimWindow a;
+        SsimWindow r1;
+        SsimWindow r2;
+        for (int i = 0; i < kSsimWindow_px * kSsimWindow_px; ++i) {
+            const CubePixel pixel{corner.face, corner.x + i % kSsimWindow_px,
+                                  corner.y + i / kSsimWindow_px};
+            const TruthPair truth = truth_of(
+                pixel, random_key({part, static_cast<uint64_t>(i)}), kWindowTruthGrid, stats);
+            const auto at = static_cast<size_t>(i);
+            a[at] = ssim_luminance(spec_.as_written.at(pixel), spec_.exposure);
+            r1[at] = ssim_luminance(truth.r1, spec_.exposure);
+            r2[at] = ssim_luminance(truth.r2, spec_.exposure);
+        }
+        return ssim(a, r1, r2);
+    }
+
+    const AuditSpec& spec_;
+    const CancelToken& cancel_;
+    int n_;
+    Audit audit_;
+};
+
+}  // namespace
+
+Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel) {
+    return AuditRun(spec, cancel).run();
+}
+
+}  // namespace probebake

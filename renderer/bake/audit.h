@@ -1,0 +1,44 @@
+// The audit: how wrong a rendered cubemap is, measured on fresh pixels.
+//
+// Stored pixels are drawn with replacement with probabilities p: half uniform, half in proportion
+// to a predicted squared error (contrast with the neighbours, divided by the rays kept). Each is
+// compared, as the written file holds it, with two independent means of 4 × 4 stratified leaf rays;
+// e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
+// (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The uniform half
+// keeps 1/(N p) ≤ 2, wherever the prediction is wrong. SSIM is audited on whole windows, drawn
+// uniformly, and only where it is the target.
+#pragma once
+
+#include <span>
+
+#include "bake/quality.h"
+#include "image/cubemap.h"
+#include "render/render.h"
+
+namespace probebake {
+
+struct Audit {
+    MeasuredError error;
+    uint64_t pixels = 0;
+    uint64_t windows = 0;
+    CostStats cost;
+};
+
+/// What is audited and how.
+struct AuditSpec {
+    const RenderScene& scene;
+    Vec3 origin{0.0};  // of the probe, voxels
+    const Cubemap& as_written;
+    std::span<const PixelAux> aux;
+    double exposure = 1.0;
+    Against against = Against::kTruth;
+    Weighting weighting = Weighting::kUniform;
+    int pixels = 0;
+    int windows = 0;   // of SSIM
+    uint64_t key = 0;  // of its random streams: a fresh one for every look
+};
+
+/// Runs on the calling arena; the same for any number of threads. Throws Cancelled.
+Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel);
+
+}  // namespace probebake

@@ -1,0 +1,207 @@
+#include "bake/bake_probe.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "bake/probe_view.h"
+#include "image/exr.h"
+#include "io/sha256.h"
+
+namespace probebake {
+namespace {
+
+constexpr int kMaxLooks = 4;
+constexpr int kMinAuditPixels = 64;
+constexpr int kMinAuditWindows = 16;
+
+class Unit {
+  public:
+    Unit(const Scene& scene, const JobSpec& job, const Pilot& pilot, const UnitParams& params,
+         const CancelToken& cancel)
+        : scene_(scene),
+          job_(job),
+          pilot_(pilot),
+          params_(params),
+          probe_(job.probes[params.probe]),
+          cancel_(cancel),
+          render_scene_(render_scene(scene, probe_, pilot.state)),
+          origin_(scene.to_voxels(probe_.position_m)),
+          render_mse_(pilot.settings_mse) {}
+
+    ProbeResult run() {
+        const auto start = std::chrono::steady_clock::now();
+        result_.probe = params_.probe;
+        result_.state = pilot_.state;
+        result_.far_m = effective_far_m(scene_, probe_);
+        result_.inside_voxel = scene_.inside_voxel(probe_.position_m);
+        render_until_good();
+        if (job_.quality.evidence.audit) result_.certificate = audit(kCertificate);
+        encode();
+        result_.wall_seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return std::move(result_);
+    }
+
+  private:
+    /// Keys of audits: decisions are numbered from 1.
+    static constexpr uint64_t kCertificate = 0;
+
+    void render_until_good() {
+        result_.settings = pilot_.settings;
+        if (params_.out_of_time) result_.settings = {.kind = RendererKind::kLod};
+        size_t next = 0;
+        for (;;) {
+            render();
+            if (params_.out_of_time || !may_look_again(next)) return;
+            const Audit look = audit(static_cast<uint64_t>(result_.looks));
+            result_.decision_cost += look.cost;
+            if (estimate_meets(job_.quality.target, look.error)) return;
+            next = next_finer(next, look.error);
+            result_.earlier_renders += render_.total();
+            render_mse_ = pilot_.finer[next].error.mse.value;
+            result_.settings = pilot_.finer[next++].settings;
+            ++result_.looks;
+        }
+    }
+
+    bool may_look_again(size_t next) const {
+        return job_.quality.evidence.audit && pilot_.expectation == Expectation::kTargetMet &&
+               job_.quality.target.metric != QualityTarget::Metric::kRays &&
+               result_.looks < kMaxLooks && next < pilot_.finer.size();
+    }
+
+    /// The first finer candidate that promises to make up for what the look found missing.
+    size_t next_finer(size_t next, const MeasuredError& found) const {
+        if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
+        const double wanted =
+            render_mse_ * largest_mse(job_.quality.target) / found.mse.value;
+        while (next + 1 < pilot_.finer.size() && pilot_.finer[next].error.mse.value > wanted) {
+            ++next;
+        }
+        return next;
+    }
+
+    void render() {
+        render_ = render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
+                                 cancel_, ray_limit(job_, probe_));
+        as_written_ = rounded_to_file(render_.color);
+    }
+
+    Audit audit(uint64_t look) const {
+        const bool ssim = job_.quality.target.metric == QualityTarget::Metric::kSsim;
+        const int pixels = audit_pixels(job_.quality.evidence, probe_.face_size_px);
+        const AuditSpec spec{.scene = render_scene_,
+                             .origin = origin_,
+                             .as_written = as_written_,
+                             .aux = render_.aux,
+                             .exposure = pilot_.exposure,
+                             .against = job_.quality.against,
+                             .weighting = job_.quality.weighting,
+                             .pixels = pixels,
+                             .windows = ssim ? std::max(kMinAuditWindows, pixels / 16) : 0,
+                             .key = random_key({job_.seed, params_.probe,
+                                                static_cast<uint64_t>(pilot_.state), look})};
+        return audit_cubemap(spec, cancel_);
+    }
+
+    ProbeAttributes attributes() const {
+        ProbeAttributes out;
+        out.owner = "probebake " PROBEBAKE_VERSION;
+        out.id = probe_.id;
+        out.state = name_of(pilot_.state);
+        out.position_m = probe_.position_m;
+        out.near_m = probe_.near_m;
+        out.far_m = result_.far_m;
+        out.unit = pilot_.state == LightingState::kAlbedo ? "1" : "W.m^-2.sr^-1";
+        out.scene_sha256 = scene_.sha256;
+        out.seed = job_.seed;
+        out.valid = !result_.inside_voxel;
+        if (result_.certificate.pixels > 0) add_errors(out);
+        return out;
+    }
+
+    void add_errors(ProbeAttributes& out) const {
+        const double confidence = job_.quality.evidence.confidence;
+        const ErrorFigures figures = figures_of(result_.certificate.error.mse, confidence);
+        out.texts["probe:err:against"] = name_of(job_.quality.against);
+        out.numbers["probe:err:exposure"] = pilot_.exposure;
+        out.numbers["probe:err:confidence"] = confidence;
+        out.numbers["probe:err:pixels"] = static_cast<double>(result_.certificate.pixels);
+        out.numbers["probe:err:rmse"] = figures.rmse;
+        out.numbers["probe:err:rmseLow"] = figures.rmse_interval.low;
+        out.numbers["probe:err:rmseHigh"] = figures.rmse_interval.high;
+    }
+
+    void encode() {
+        result_.limited = render_.limited || params_.out_of_time;
+        result_.faces = render_.faces;
+        result_.pixels = render_.pixels;
+        const ProbeAttributes attributes = this->attributes();
+        EncodedCubemap cube = encode_cubemap(render_.color, attributes);
+        result_.is_float = cube.is_float;
+        add_file("cube.exr", std::move(cube.bytes));
+        if (!job_.aux) return;
+        CubeAux aux{.face_size = probe_.face_size_px};
+        const double metre = scene_.voxel_size_m;
+        for (const PixelAux& pixel : render_.aux) {
+            aux.pixels.push_back({static_cast<float>(pixel.distance * metre),
+                                  static_cast<float>(pixel.squared_distance * metre * metre),
+                                  pixel.standard_error, static_cast<uint32_t>(pixel.samples)});
+        }
+        add_file("aux.exr", encode_aux(aux, attributes));
+    }
+
+    void add_file(std::string name, std::vector<std::byte> bytes) {
+        std::string sha256 = sha256_hex(bytes);
+        const uint64_t size_bytes = bytes.size();
+        result_.files.push_back({std::move(name), std::move(bytes), size_bytes, std::move(sha256)});
+    }
+
+    const Scene& scene_;
+    const JobSpec& job_;
+    const Pilot& pilot_;
+    const UnitParams& params_;
+    const ProbeSpec& probe_;
+    const CancelToken& cancel_;
+    RenderScene render_scene_;
+    Vec3 origin_;
+    CubemapRender render_;
+    Cubemap as_written_;
+    double render_mse_;  // what the pilot found for the settings of the render
+    ProbeResult result_;
+};
+
+}  // namespace
+
+CostStats ProbeResult::render_cost() const {
+    CostStats total;
+    for (const CostStats& face : faces) total += face;
+    return total;
+}
+
+ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
+                       const UnitParams& unit, const CancelToken& cancel) {
+    return Unit(scene, job, pilot, unit, cancel).run();
+}
+
+std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
+    std::optional<uint64_t> limit;
+    if (job.quality.target.metric == QualityTarget::Metric::kRays) {
+        limit = static_cast<uint64_t>(job.quality.target.value);
+    }
+    if (job.budget.rays) {
+        const auto share = static_cast<uint64_t>(
+            static_cast<unsigned __int128>(*job.budget.rays) *
+            owned_pixel_count(probe.face_size_px) / pixel_count(job));
+        limit = std::min(limit.value_or(share), share);
+    }
+    return limit;
+}
+
+int audit_pixels(const EvidenceSpec& evidence, int face_size_px) {
+    const int texels = 6 * face_size_px * face_size_px;
+    return evidence.pixels_per_probe.value_or(std::max(kMinAuditPixels, texels / 100));
+}
+
+}  // namespace probebake

@@ -1,0 +1,19 @@
+// The words of requests and reports, in the order of the enumerations.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace probebake {
+
+inline constexpr std::array<std::string_view, 2> kStateNames = {"albedo", "emission"};
+inline constexpr std::array<std::string_view, 4> kMetricNames = {"psnr_db", "rmse", "ssim", "rays"};
+inline constexpr std::array<std::string_view, 2> kAgainstNames = {"truth", "reference"};
+/// Those of RendererKind, then "auto": the plan chooses.
+inline constexpr std::array<std::string_view, 5> kRendererNames = {"reference", "lod", "adaptive",
+                                                                   "error_aware", "auto"};
+inline constexpr std::array<std::string_view, 2> kWeightingNames = {"uniform", "solid_angle"};
+inline constexpr std::array<std::string_view, 2> kMissesNames = {"left_out", "black"};
+inline constexpr std::array<std::string_view, 2> kProductNames = {"cube", "aux"};
+
+}  // namespace probebake

@@ -1,0 +1,330 @@
+// read_job: the JSON of a request, field by field.
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "bake/job_names.h"
+#include "bake/job_spec.h"
+#include "image/cubemap.h"
+#include "image/ssim.h"
+#include "voxels/voxel_tree.h"
+
+namespace probebake {
+namespace {
+
+class JobReader {
+  public:
+    JobReader(const Json& request, const JobLimits& limits)
+        : limits_(limits), root_(request, "", issues_) {}
+
+    JobSpec read() {
+        spec_.scene = root_.name("scene", std::nullopt);
+        read_states();
+        spec_.seed = root_.unsigned_integer("seed", std::numeric_limits<uint64_t>::max(), 1);
+        read_probe_defaults();
+        read_probes();
+        read_products();
+        read_quality();
+        read_budget();
+        root_.refuse_unknown();
+        if (issues_.empty()) check_totals();
+        issues_.throw_if_any();
+        return std::move(spec_);
+    }
+
+  private:
+    void read_states() {
+        if (!root_.has("lighting_states")) {
+            root_.array("lighting_states", 0);
+            return;
+        }
+        spec_.states.clear();
+        for (const auto& [value, pointer] : root_.array("lighting_states", kStateNames.size())) {
+            const std::string name = read_name(*value, pointer, issues_);
+            const auto at = std::find(kStateNames.begin(), kStateNames.end(), name);
+            if (at == kStateNames.end()) {
+                issues_.unacceptable(pointer, R"(expected "albedo" or "emission")");
+                continue;
+            }
+            const auto state = static_cast<LightingState>(at - kStateNames.begin());
+            if (std::count(spec_.states.begin(), spec_.states.end(), state) > 0) {
+                issues_.unacceptable(pointer, "the state \"" + name + "\" is named twice");
+            }
+            spec_.states.push_back(state);
+        }
+        if (spec_.states.empty() && issues_.empty()) {
+            issues_.unacceptable("/lighting_states", "expected at least one state");
+        }
+    }
+
+    void read_probe_defaults() { read_view(root_, default_probe_); }
+
+    /// face_size_px, near_m and far_m, of a probe, a grid or the whole job.
+    void read_view(ObjectReader& reader, ProbeSpec& probe) {
+        probe.face_size_px = static_cast<int>(
+            reader.integer("face_size_px", limits_.min_face_size_px, limits_.max_face_size_px,
+                           probe.face_size_px));
+        probe.near_m = reader.number("near_m", {0.0, limits_.max_position_m}, probe.near_m);
+        if (const auto far_m = reader.optional_number(
+                "far_m", {.min = 0.0, .max = 1e9, .more_than_min = true})) {
+            probe.far_m = far_m;
+        }
+        if (probe.far_m && !(*probe.far_m > probe.near_m)) {
+            issues_.unacceptable(reader.pointer_to("far_m"), "expected more than near_m");
+        }
+    }
+
+    void read_probes() {
+        if (!root_.has("probes")) {
+            issues_.malformed("/probes", "is required");
+            root_.object("probes");
+            return;
+        }
+        ObjectReader probes = root_.object("probes");
+        for (const auto& [value, pointer] : probes.array("list", limits_.max_probes)) {
+            ObjectReader reader(*value, pointer, issues_);
+            ProbeSpec probe = default_probe_;
+            probe.id = reader.name("id", std::nullopt);
+            probe.position_m = reader.vector("position_m", limits_.max_position_m, std::nullopt);
+            read_view(reader, probe);
+            reader.refuse_unknown();
+            add(std::move(probe), reader.pointer_to("id"));
+        }
+        for (const auto& [value, pointer] : probes.array("grids", 1024)) {
+            ObjectReader reader(*value, pointer, issues_);
+            read_grid(reader);
+        }
+        probes.refuse_unknown();
+        if (spec_.probes.empty() && issues_.empty()) {
+            issues_.unacceptable("/probes", "expected at least one probe in list or grids");
+        }
+    }
+
+    void read_grid(ObjectReader& reader) {
+        ProbeSpec probe = default_probe_;
+        const std::string id = reader.name("id", std::nullopt);
+        const Vec3 origin_m = reader.vector("origin_m", limits_.max_position_m, std::nullopt);
+        const Vec3 spacing_m = reader.vector("spacing_m", limits_.max_position_m, std::nullopt);
+        const Vec3 counts = reader.vector("counts", 1e9, std::nullopt);
+        read_view(reader, probe);
+        reader.refuse_unknown();
+        IVec3 count(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::string pointer =
+                reader.pointer_to("counts") + "/" + std::to_string(axis);
+            if (!(counts[axis] >= 1.0) || counts[axis] != std::floor(counts[axis])) {
+                issues_.unacceptable(pointer, "expected an integer of at least 1");
+                return;
+            }
+            count[axis] = static_cast<int>(counts[axis]);
+            const double last_m = origin_m[axis] + spacing_m[axis] * (counts[axis] - 1.0);
+            if (!(std::abs(last_m) <= limits_.max_position_m)) {
+                issues_.unacceptable(reader.pointer_to("spacing_m") + "/" + std::to_string(axis),
+                                     "the grid reaches farther than the largest coordinate");
+                return;
+            }
+        }
+        // In floating point on purpose: it cannot overflow, and is exact where it matters.
+        if (counts.x * counts.y * counts.z >
+            static_cast<double>(limits_.max_probes - spec_.probes.size())) {
+            issues_.unacceptable(reader.pointer_to("counts"),
+                                 "the job would have more than " +
+                                     std::to_string(limits_.max_probes) + " probes");
+            return;
+        }
+        for (int k = 0; k < count.z; ++k) {
+            for (int j = 0; j < count.y; ++j) {
+                for (int i = 0; i < count.x; ++i) {
+                    probe.id = id + "-" + std::to_string(i) + "-" + std::to_string(j) + "-" +
+                               std::to_string(k);
+                    probe.position_m = origin_m + spacing_m * Vec3(i, j, k);
+                    if (!add(probe, reader.pointer_to("id"))) return;
+                }
+            }
+        }
+    }
+
+    bool add(ProbeSpec probe, const std::string& id_pointer) {
+        if (!is_name(probe.id)) {
+            issues_.unacceptable(id_pointer,
+                                 "gives the probe id \"" + probe.id + "\", which is no valid name");
+            return false;
+        }
+        if (!ids_.insert(probe.id).second) {
+            issues_.unacceptable(id_pointer, "the probe id \"" + probe.id + "\" is used twice");
+            return false;
+        }
+        if (spec_.probes.size() == limits_.max_probes) {
+            issues_.unacceptable(id_pointer, "the job would have more than " +
+                                                 std::to_string(limits_.max_probes) + " probes");
+            return false;
+        }
+        spec_.probes.push_back(std::move(probe));
+        return true;
+    }
+
+    void read_products() {
+        bool cube = !root_.has("products");
+        for (const auto& [value, pointer] : root_.array("products", kProductNames.size())) {
+            const std::string name = read_name(*value, pointer, issues_);
+            if (name == "cube") {
+                cube = true;
+            } else if (name == "aux") {
+                spec_.aux = true;
+            } else {
+                issues_.unacceptable(pointer, R"(expected "cube" or "aux")");
+            }
+        }
+        if (!cube) issues_.unacceptable("/products", R"(expected "cube" to be among them)");
+    }
+
+    void read_quality() {
+        ObjectReader reader = root_.object("quality");
+        read_target(reader);
+        const size_t renderer =
+            reader.choice("renderer", kRendererNames, kRendererNames.size() - 1);
+        if (renderer + 1 < kRendererNames.size()) {
+            spec_.quality.renderer = static_cast<RendererKind>(renderer);
+        }
+        spec_.quality.against =
+            static_cast<Against>(reader.choice("against", kAgainstNames, 0));
+        spec_.quality.weighting =
+            static_cast<Weighting>(reader.choice("weighting", kWeightingNames, 0));
+        spec_.quality.exposure = reader.optional_number(
+            "exposure", {.min = 0.0, .max = 1e9, .more_than_min = true});
+        read_settings(reader);
+        read_evidence(reader);
+        reader.refuse_unknown();
+    }
+
+    void read_target(ObjectReader& quality) {
+        ObjectReader targets = quality.object("targets");
+        QualityTarget& target = spec_.quality.target;
+        int given = 0;
+        const auto take = [&](QualityTarget::Metric metric, std::optional<double> value) {
+            if (!value) return;
+            target = {metric, *value};
+            ++given;
+        };
+        take(QualityTarget::Metric::kPsnrDb,
+             targets.optional_number("psnr_db", {.min = 0.0, .max = 200.0, .more_than_min = true}));
+        take(QualityTarget::Metric::kRmse,
+             targets.optional_number("rmse", {.min = 0.0, .max = 1.0, .more_than_min = true}));
+        take(QualityTarget::Metric::kSsim,
+             targets.optional_number("ssim", {.min = 0.0, .max = 1.0, .more_than_min = true}));
+        if (targets.has("rays")) {
+            take(QualityTarget::Metric::kRays,
+                 static_cast<double>(targets.unsigned_integer("rays", limits_.max_rays, {})));
+        }
+        targets.refuse_unknown();
+        if (given > 1) {
+            issues_.unacceptable("/quality/targets", "expected one target, not several");
+        }
+    }
+
+    void read_settings(ObjectReader& quality) {
+        if (!quality.has("settings")) {
+            quality.object("settings");
+            return;
+        }
+        ObjectReader reader = quality.object("settings");
+        RenderSettings settings;
+        settings.threshold = reader.number("threshold", {-1.0, 1e6}, settings.threshold);
+        settings.decay = reader.number("decay", {0.0, 10.0}, settings.decay);
+        const int64_t grid = reader.integer("leaf_grid", 4, 16, settings.leaf_grid);
+        if (grid != 4 && grid != 8 && grid != 16) {
+            issues_.unacceptable(reader.pointer_to("leaf_grid"), "expected 4, 8 or 16");
+        }
+        settings.leaf_grid = static_cast<int>(grid);
+        if (reader.has("fixed_level")) {
+            settings.fixed_level =
+                static_cast<int>(reader.integer("fixed_level", 0, kMaxDepth - 1, 0));
+        }
+        settings.normaliser = reader.number(
+            "normaliser", {.min = 0.0, .max = 1e6, .more_than_min = true}, settings.normaliser);
+        settings.misses_in_kernel =
+            static_cast<MissesInKernel>(reader.choice("misses_in_kernel", kMissesNames, 0));
+        reader.refuse_unknown();
+        if (!spec_.quality.renderer) {
+            issues_.unacceptable("/quality/settings",
+                                 "settings of your own need a renderer of your own");
+        } else {
+            settings.kind = *spec_.quality.renderer;
+        }
+        spec_.quality.settings = settings;
+    }
+
+    void read_evidence(ObjectReader& quality) {
+        ObjectReader reader = quality.object("evidence");
+        EvidenceSpec& evidence = spec_.quality.evidence;
+        evidence.audit = reader.boolean("audit", true);
+        if (reader.has("pixels_per_probe")) {
+            evidence.pixels_per_probe = static_cast<int>(
+                reader.integer("pixels_per_probe", 16, limits_.max_audit_pixels, 64));
+        }
+        evidence.confidence = reader.number("confidence", {0.5, 0.9999}, evidence.confidence);
+        reader.refuse_unknown();
+    }
+
+    void read_budget() {
+        ObjectReader reader = root_.object("budget");
+        if (reader.has("rays")) {
+            spec_.budget.rays = reader.unsigned_integer("rays", limits_.max_rays, {});
+        }
+        spec_.budget.seconds = reader.optional_number(
+            "seconds", {.min = 0.0, .max = 1e7, .more_than_min = true});
+        reader.refuse_unknown();
+    }
+
+    /// What only the whole job shows.
+    void check_totals() {
+        const uint64_t texels = texel_count(spec_);
+        if (texels > limits_.max_texels) {
+            issues_.unacceptable("/probes", "the job has " + std::to_string(texels) +
+                                                " texels, expected at most " +
+                                                std::to_string(limits_.max_texels));
+        }
+        const uint64_t largest = largest_probe_pixels();
+        const QualityTarget& target = spec_.quality.target;
+        if (target.metric == QualityTarget::Metric::kRays &&
+            target.value < static_cast<double>(largest)) {
+            issues_.unacceptable("/quality/targets/rays",
+                                 "expected at least one ray per pixel, " + std::to_string(largest) +
+                                     " for the largest probe");
+        }
+        if (target.metric == QualityTarget::Metric::kSsim && smallest_face_px() < kSsimWindow_px) {
+            issues_.unacceptable("/quality/targets/ssim",
+                                 "SSIM is not defined below a face size of 11 pixels");
+        }
+        if (spec_.budget.rays && *spec_.budget.rays < pixel_count(spec_)) {
+            issues_.unacceptable("/budget/rays", "expected at least one ray per pixel, " +
+                                                     std::to_string(pixel_count(spec_)));
+        }
+    }
+
+    uint64_t largest_probe_pixels() const {
+        int n = 1;
+        for (const ProbeSpec& probe : spec_.probes) n = std::max(n, probe.face_size_px);
+        return owned_pixel_count(n);
+    }
+    int smallest_face_px() const {
+        int n = std::numeric_limits<int>::max();
+        for (const ProbeSpec& probe : spec_.probes) n = std::min(n, probe.face_size_px);
+        return n;
+    }
+
+    JobLimits limits_;
+    JsonIssues issues_;
+    ObjectReader root_;
+    JobSpec spec_;
+    ProbeSpec default_probe_;
+    std::unordered_set<std::string> ids_;
+};
+
+}  // namespace
+
+JobSpec read_job(const Json& request, const JobLimits& limits) {
+    return JobReader(request, limits).read();
+}
+
+}  // namespace probebake

@@ -1,0 +1,94 @@
+#include "bake/job_spec.h"
+
+#include "bake/job_names.h"
+#include "image/cubemap.h"
+
+namespace probebake {
+namespace {
+
+Json write_probe(const ProbeSpec& probe) {
+    Json json = {{"id", probe.id},
+                 {"position_m", {probe.position_m.x, probe.position_m.y, probe.position_m.z}},
+                 {"face_size_px", probe.face_size_px},
+                 {"near_m", probe.near_m}};
+    if (probe.far_m) json["far_m"] = *probe.far_m;
+    return json;
+}
+
+}  // namespace
+
+std::string_view name_of(LightingState state) { return kStateNames[static_cast<size_t>(state)]; }
+std::string_view name_of(QualityTarget::Metric metric) {
+    return kMetricNames[static_cast<size_t>(metric)];
+}
+std::string_view name_of(Against against) { return kAgainstNames[static_cast<size_t>(against)]; }
+
+uint64_t texel_count(const JobSpec& spec) {
+    uint64_t texels = 0;
+    for (const ProbeSpec& probe : spec.probes) {
+        const auto n = static_cast<uint64_t>(probe.face_size_px);
+        texels += 6 * n * n * spec.states.size();
+    }
+    return texels;
+}
+
+uint64_t pixel_count(const JobSpec& spec) {
+    uint64_t pixels = 0;
+    for (const ProbeSpec& probe : spec.probes) {
+        pixels += owned_pixel_count(probe.face_size_px) * spec.states.size();
+    }
+    return pixels;
+}
+
+Json write_settings(const RenderSettings& settings) {
+    Json json = {{"renderer", name_of(settings.kind)}};
+    if (settings.kind == RendererKind::kErrorAware) {
+        json["threshold"] = settings.threshold;
+        json["decay"] = settings.decay;
+    }
+    if (settings.kind == RendererKind::kErrorAware || settings.kind == RendererKind::kReference) {
+        json["leaf_grid"] = settings.leaf_grid;
+    }
+    if (settings.kind == RendererKind::kAdaptive) {
+        json["normaliser"] = settings.normaliser;
+        json["misses_in_kernel"] = kMissesNames[static_cast<size_t>(settings.misses_in_kernel)];
+    }
+    if (settings.fixed_level) json["fixed_level"] = *settings.fixed_level;
+    return json;
+}
+
+Json write_job(const JobSpec& spec) {
+    Json json = {{"scene", spec.scene}, {"seed", spec.seed}};
+    for (const LightingState state : spec.states) {
+        json["lighting_states"].push_back(name_of(state));
+    }
+    json["products"] = spec.aux ? Json{"cube", "aux"} : Json{"cube"};
+    Json& list = json["probes"]["list"] = Json::array();
+    for (const ProbeSpec& probe : spec.probes) list.push_back(write_probe(probe));
+
+    const QualitySpec& quality = spec.quality;
+    const QualityTarget& target = quality.target;
+    Json& out = json["quality"];
+    out["targets"][std::string(name_of(target.metric))] =
+        target.metric == QualityTarget::Metric::kRays ? Json(static_cast<uint64_t>(target.value))
+                                                      : Json(target.value);
+    out["renderer"] = quality.renderer ? name_of(*quality.renderer) : "auto";
+    out["against"] = name_of(quality.against);
+    out["weighting"] = kWeightingNames[static_cast<size_t>(quality.weighting)];
+    if (quality.exposure) out["exposure"] = *quality.exposure;
+    if (quality.settings) {
+        out["settings"] = write_settings(*quality.settings);
+        out["settings"].erase("renderer");
+    }
+    out["evidence"] = {{"audit", quality.evidence.audit},
+                       {"confidence", quality.evidence.confidence}};
+    if (quality.evidence.pixels_per_probe) {
+        out["evidence"]["pixels_per_probe"] = *quality.evidence.pixels_per_probe;
+    }
+    json["budget"] = Json::object();
+    if (spec.budget.rays) json["budget"]["rays"] = *spec.budget.rays;
+    if (spec.budget.seconds) json["budget"]["seconds"] = *spec.budget.seconds;
+    return json;
+}
+
+}  // namespace probebake

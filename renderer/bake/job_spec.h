@@ -1,0 +1,106 @@
+// JobSpec: what a client asks for, checked, with every default filled in.
+//
+// read_job turns the JSON of a request into a JobSpec or throws a SpecError that names every
+// problem by its JSON pointer; write_job gives back the request as it was understood (the report's
+// `effective_request`). docs/request.md documents the fields.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "image/metrics.h"
+#include "io/json.h"
+#include "render/render_settings.h"
+
+namespace probebake {
+
+/// What a hit shows. Albedo is reflectance (unit 1); emission is radiance (W·m⁻²·sr⁻¹), black where
+/// nothing emits.
+enum class LightingState { kAlbedo, kEmission };
+
+struct ProbeSpec {
+    std::string id;
+    Vec3 position_m{0.0};
+    int face_size_px = 64;
+    double near_m = 0.0;          // nearer hits are passed through
+    std::optional<double> far_m;  // farther hits are misses; none: the whole world is seen
+};
+
+/// The one quality target of a job.
+struct QualityTarget {
+    enum class Metric { kPsnrDb, kRmse, kSsim, kRays };
+    Metric metric = Metric::kPsnrDb;
+    double value = 40.0;  // kRays: rays per probe and state
+};
+
+/// What an image is measured against.
+enum class Against {
+    kTruth,      // the mean leaf-level radiance over a pixel's footprint
+    kReference,  // the thesis's 4 × 4 leaf rays
+};
+
+struct EvidenceSpec {
+    bool audit = true;
+    /// Audited pixels per probe and state; none: one per cent of its pixels, at least 64.
+    std::optional<int> pixels_per_probe;
+    double confidence = 0.95;
+};
+
+struct QualitySpec {
+    QualityTarget target;
+    /// None: the plan chooses.
+    std::optional<RendererKind> renderer;
+    /// Settings of the client's own: nothing is searched, the target only judges the outcome.
+    std::optional<RenderSettings> settings;
+    Against against = Against::kTruth;
+    EvidenceSpec evidence;
+    /// Images are divided by it before they are compared; none: from the pilot (exposure.h).
+    std::optional<double> exposure;
+    Weighting weighting = Weighting::kUniform;
+};
+
+struct BudgetSpec {
+    std::optional<uint64_t> rays;     // rendered rays of the whole job
+    std::optional<double> seconds;    // wall clock; makes the result depend on the machine
+};
+
+struct JobSpec {
+    std::string scene;
+    std::vector<LightingState> states = {LightingState::kAlbedo};
+    std::vector<ProbeSpec> probes;
+    QualitySpec quality;
+    BudgetSpec budget;
+    bool aux = false;  // the second file of every probe
+    uint64_t seed = 1;
+};
+
+/// What a job may ask for at most; checked before anything is allocated.
+struct JobLimits {
+    uint64_t max_probes = 65'536;
+    int min_face_size_px = 4;
+    int max_face_size_px = 4096;
+    uint64_t max_texels = uint64_t{1} << 32;  // over all probes and states
+    double max_position_m = 1e6;              // per axis
+    int max_audit_pixels = 65'536;            // per probe
+    uint64_t max_rays = uint64_t{1} << 50;
+};
+
+/// Throws SpecError. Knows nothing of scenes: whether the named one exists is the caller's question.
+JobSpec read_job(const Json& request, const JobLimits& limits = {});
+Json write_job(const JobSpec& spec);
+
+std::string_view name_of(LightingState state);
+std::string_view name_of(QualityTarget::Metric metric);
+std::string_view name_of(Against against);
+
+/// A renderer's settings, as requests and reports write them: those that it looks at.
+Json write_settings(const RenderSettings& settings);
+
+/// Texels that the job stores, and distinct pixels that it renders, over all probes and states.
+uint64_t texel_count(const JobSpec& spec);
+uint64_t pixel_count(const JobSpec& spec);
+
+}  // namespace probebake

@@ -1,0 +1,173 @@
+#include "bake/pilot.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace probebake {
+namespace {
+
+/// Points of the curve on either side of the chosen settings.
+constexpr size_t kCurveBefore = 4;
+constexpr size_t kCurveBeyond = 2;
+
+class Search {
+  public:
+    Search(const JobSpec& job, const Plan& plan, PilotSample& pixels,
+           const std::optional<TimeBudget>& time)
+        : job_(job), plan_(plan), pixels_(pixels), time_(time) {}
+
+    /// Fills the pilot's settings, expectation and finer candidates; returns the whole frontier,
+    /// cheapest first, and which of it was chosen.
+    std::pair<std::vector<Candidate>, size_t> run(Pilot& pilot) {
+        std::vector<Candidate> all = compare(pilot);
+        size_t chosen = cheapest_that_meets(all);
+        pilot.expectation = Expectation::kTargetMet;
+        if (chosen == all.size()) {
+            --chosen;  // the finest there is
+            if (!estimate_meets(job_.quality.target, all[chosen].error)) {
+                pilot.expectation = Expectation::kUnreachable;
+            }
+        }
+        const size_t affordable = last_affordable(all);
+        if (affordable < chosen) {
+            // One finer than the budget pays for on average: the ray limit of each probe then
+            // spends what there is where the errors are largest.
+            chosen = std::min(chosen, limited_by_rays() ? affordable + 1 : affordable);
+            pilot.expectation = Expectation::kBudgetExhausted;
+        }
+        pilot.settings = all[chosen].settings;
+        pilot.settings_mse = all[chosen].error.mse.value;
+        pilot.finer.assign(all.begin() + static_cast<std::ptrdiff_t>(chosen) + 1, all.end());
+        return {std::move(all), chosen};
+    }
+
+  private:
+    /// Compares candidates with finer and finer leaf rays, until some meet the target.
+    std::vector<Candidate> compare(Pilot& pilot) {
+        const RendererKind kind = plan_.renderers.front();
+        const bool refines_further =
+            kind == RendererKind::kErrorAware || kind == RendererKind::kReference;
+        std::vector<Candidate> best;
+        for (const int leaf_grid : kLeafGrids) {
+            pixels_.extend(kind, leaf_grid);
+            std::vector<Candidate> candidates;
+            for (const RenderSettings& settings :
+                 candidate_settings(pixels_.sample(), plan_.renderers, leaf_grid)) {
+                candidates.push_back(evaluate(pixels_.sample(), settings));
+            }
+            pilot.candidates = candidates.size();
+            best = frontier(std::move(candidates), job_.quality.target);
+            const bool enough = ray_target() ? last_affordable(best) + 1 < best.size()
+                                             : cheapest_that_meets(best) < best.size();
+            if (enough || !refines_further) break;
+        }
+        return best;
+    }
+
+    /// All of them where the target is a number of rays: what is affordable decides.
+    size_t cheapest_that_meets(const std::vector<Candidate>& all) const {
+        if (ray_target()) return all.size() - 1;
+        const auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
+            return bound_meets(job_.quality.target, candidate.error,
+                               job_.quality.evidence.confidence);
+        });
+        return static_cast<size_t>(at - all.begin());
+    }
+
+    /// The cheapest candidate counts as affordable whatever it costs.
+    size_t last_affordable(const std::vector<Candidate>& all) const {
+        size_t last = 0;
+        for (size_t i = 1; i < all.size(); ++i) {
+            if (affordable(all[i])) last = i;
+        }
+        return last;
+    }
+
+    bool affordable(const Candidate& candidate) const {
+        const auto pixels = static_cast<double>(pixel_count(job_));
+        if (ray_target()) {
+            const double rays_per_pixel =
+                job_.quality.target.value * static_cast<double>(job_.probes.size()) *
+                static_cast<double>(job_.states.size()) / pixels;
+            if (candidate.rays_per_pixel > rays_per_pixel) return false;
+        }
+        if (job_.budget.rays && candidate.rays_per_pixel * pixels >
+                                    static_cast<double>(*job_.budget.rays)) {
+            return false;
+        }
+        if (time_) {
+            const CostStats& spent = pixels_.search_cost();
+            const double seconds_per_step =
+                spent.steps > 0 ? spent.seconds / static_cast<double>(spent.steps) : 0.0;
+            const double seconds =
+                candidate.steps_per_pixel * pixels * seconds_per_step / time_->threads;
+            if (seconds > time_->seconds) return false;
+        }
+        return true;
+    }
+
+    bool ray_target() const { return job_.quality.target.metric == QualityTarget::Metric::kRays; }
+    bool limited_by_rays() const { return ray_target() || job_.budget.rays; }
+
+    const JobSpec& job_;
+    const Plan& plan_;
+    PilotSample& pixels_;
+    const std::optional<TimeBudget>& time_;
+};
+
+/// Settings of the curve: LOD only, some of the way to the chosen ones, these, and beyond.
+std::vector<RenderSettings> curve_settings(const std::vector<Candidate>& frontier, size_t chosen) {
+    std::vector<RenderSettings> settings{{.kind = RendererKind::kLod}};
+    const auto add = [&](const RenderSettings& s) {
+        if (std::find(settings.begin(), settings.end(), s) == settings.end()) settings.push_back(s);
+    };
+    for (size_t i = 0; i < kCurveBefore; ++i) add(frontier[i * chosen / kCurveBefore].settings);
+    add(frontier[chosen].settings);
+    const size_t beyond = frontier.size() - 1 - chosen;
+    for (size_t i = 1; i <= kCurveBeyond; ++i) {
+        add(frontier[chosen + i * beyond / kCurveBeyond].settings);
+    }
+    return settings;
+}
+
+/// Where the client brought settings of its own.
+std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
+    return {{.kind = RendererKind::kLod}, given, {.kind = RendererKind::kReference}};
+}
+
+}  // namespace
+
+Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, LightingState state,
+                const CancelToken& cancel, const std::optional<TimeBudget>& time) {
+    const auto start = std::chrono::steady_clock::now();
+    PilotSample pixels(scene, job, state, cancel);
+    Pilot pilot{.state = state, .exposure = pixels.sample().exposure};
+    std::vector<RenderSettings> measured;
+    if (plan.needs_pilot) {
+        const auto [frontier, chosen] = Search(job, plan, pixels, time).run(pilot);
+        measured = curve_settings(frontier, chosen);
+    } else {
+        pilot.settings = *job.quality.settings;
+        if (pilot.settings.kind == RendererKind::kAdaptive) {
+            pixels.extend(RendererKind::kAdaptive, kLeafGrids.front());
+        }
+        measured = curve_settings(pilot.settings);
+    }
+    for (const RenderSettings& settings : measured) {
+        pilot.curve.push_back(pixels.render(settings));
+        const CurvePoint& point = pilot.curve.back();
+        pilot.curve_cost.rays += point.rays;
+        pilot.curve_cost.steps += point.steps;
+        pilot.curve_cost.seconds += point.seconds;
+    }
+    std::stable_sort(pilot.curve.begin(), pilot.curve.end(),
+                     [](const CurvePoint& a, const CurvePoint& b) { return a.steps < b.steps; });
+    pilot.pixels = pixels.sample().pixels.size();
+    pilot.search_cost = pixels.search_cost();
+    pilot.wall_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return pilot;
+}
+
+}  // namespace probebake

@@ -1,0 +1,52 @@
+// The pilot: a sample of a job's pixels, on which its settings are tuned before anything is baked.
+//
+//   choose pixels of up to 64 probes -> their truth -> exposure
+//   -> cast what the candidates could cast -> the cheapest settings whose error bound meets the target
+//   -> render the same pixels with a handful of settings: the curve of error against cost
+//
+// Deterministic: it decides on counted steps. Its pixels never certify anything (audit.h draws
+// fresh ones), and its rays are counted apart from the render's.
+#pragma once
+
+#include <vector>
+
+#include "bake/pilot_sample.h"
+#include "bake/plan.h"
+
+namespace probebake {
+
+/// What the chosen settings promise.
+enum class Expectation {
+    kTargetMet,
+    kBudgetExhausted,  // settings that would meet the target cost more than the budget
+    kUnreachable,      // not even the finest settings meet it
+};
+
+struct Pilot {
+    LightingState state = LightingState::kAlbedo;
+    double exposure = 1.0;
+    RenderSettings settings;
+    double settings_mse = 0.0;  // their mean squared error on the sample
+    Expectation expectation = Expectation::kTargetMet;
+    /// The candidates that refine further, cheapest first: for a probe that misses the target.
+    std::vector<Candidate> finer;
+    /// From LOD only to beyond the target, cheapest first.
+    std::vector<CurvePoint> curve;
+    uint64_t pixels = 0;      // of the sample
+    uint64_t candidates = 0;  // compared
+    CostStats search_cost;
+    CostStats curve_cost;
+    double wall_seconds = 0.0;
+};
+
+/// Threads that will render the job, and the wall time they have, for a budget of seconds.
+struct TimeBudget {
+    int threads = 1;
+    double seconds = 0.0;
+};
+
+/// Tunes one lighting state. Runs on the calling arena. Throws Cancelled.
+Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, LightingState state,
+                const CancelToken& cancel, const std::optional<TimeBudget>& time = {});
+
+}  // namespace probebake

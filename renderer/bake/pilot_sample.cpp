@@ -1,0 +1,180 @@
+#include "bake/pilot_sample.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+#include "image/exposure.h"
+#include "image/metrics.h"
+#include "image/ssim.h"
+#include "render/adaptive.h"
+
+namespace probebake {
+namespace {
+
+constexpr uint64_t kMaxProbes = 64;
+constexpr uint64_t kMinPixels = 512;
+constexpr uint64_t kMaxPixels = 4096;
+constexpr uint64_t kTexelsPerPixel = 50;
+constexpr uint64_t kMinWindows = 12;
+constexpr uint64_t kMaxWindows = 48;
+
+}  // namespace
+
+PilotSample::PilotSample(const Scene& scene, const JobSpec& job, LightingState state,
+                         const CancelToken& cancel)
+    : scene_(scene), job_(job), state_(state), cancel_(cancel) {
+    choose_places();
+    cast_truth();
+    set_exposure();
+}
+
+void PilotSample::choose_places() {
+    RandomStream random(random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotChoice),
+                                    static_cast<uint64_t>(state_)}));
+    std::vector<size_t> probes(job_.probes.size());
+    std::iota(probes.begin(), probes.end(), size_t{0});
+    const size_t used = std::min<size_t>(probes.size(), kMaxProbes);
+    for (size_t i = 0; i < used; ++i) {
+        std::swap(probes[i], probes[i + random.below(probes.size() - i)]);
+    }
+    const uint64_t texels = texel_count(job_) / job_.states.size();
+    const uint64_t pixels =
+        std::min(texels, std::clamp(texels / kTexelsPerPixel, kMinPixels, kMaxPixels));
+    sample_.windows = job_.quality.target.metric == QualityTarget::Metric::kSsim;
+    uint64_t squares = pixels;
+    if (sample_.windows) {
+        squares = std::clamp(pixels / (kSsimWindow_px * kSsimWindow_px), kMinWindows, kMaxWindows);
+    }
+    for (uint64_t i = 0; i < squares; ++i) {
+        add_square(probes[i % used], random, sample_.windows ? kSsimWindow_px : 1);
+    }
+}
+
+/// Adds side × side pixels that lie anywhere in a face with the same probability.
+void PilotSample::add_square(size_t probe, RandomStream& random, int side) {
+    const int n = job_.probes[probe].face_size_px;
+    const CubeFace face = kCubeFaces[random.below(kFaceCount)];
+    const auto range = static_cast<uint64_t>(n - side + 1);
+    const int left = static_cast<int>(random.below(range));
+    const int top = static_cast<int>(random.below(range));
+    for (int y = top; y < top + side; ++y) {
+        for (int x = left; x < left + side; ++x) {
+            places_.push_back({probe, {face, x, y}});
+            SearchPixel pixel;
+            pixel.weight = pixel_weight(job_.quality.weighting, {face, x, y}, n);
+            sample_.pixels.push_back(pixel);
+        }
+    }
+}
+
+/// Calls cast(target, stats) for every pixel in parallel; returns the costs, added up in order.
+template <class Cast>
+CostStats PilotSample::for_each_pixel(Cast cast) const {
+    std::vector<CostStats> stats(places_.size());
+    tbb::parallel_for(size_t{0}, places_.size(), [&](size_t i) {
+        if (cancel_.cancelled()) return;
+        const auto start = std::chrono::steady_clock::now();
+        const ProbeSpec& probe = job_.probes[places_[i].probe];
+        const CubePixel owner = owner_of(places_[i].pixel, probe.face_size_px);
+        const RenderScene scene = render_scene(scene_, probe, state_);
+        const View view = face_view(scene_, probe, owner.face);
+        cast(Target{i, scene, view, owner}, stats[i]);
+        stats[i].seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+    cancel_.throw_if_cancelled();
+    CostStats total;
+    for (const CostStats& part : stats) total += part;
+    return total;
+}
+
+void PilotSample::cast_truth() {
+    search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
+        // The index tells apart two draws of the same pixel.
+        const uint64_t key = random_key({job_.seed,
+                                         static_cast<uint64_t>(StreamPurpose::kPilotTruth),
+                                         static_cast<uint64_t>(state_), at.index});
+        sample_.pixels[at.index].truth =
+            truth_pair(at.scene, at.view, at.owner.x, at.owner.y,
+                       {.against = job_.quality.against, .key = key}, stats);
+    });
+}
+
+void PilotSample::set_exposure() {
+    if (job_.quality.exposure) {
+        sample_.exposure = *job_.quality.exposure;
+        return;
+    }
+    std::vector<Rgb> colors;
+    for (const SearchPixel& pixel : sample_.pixels) {
+        colors.push_back((pixel.truth.r1 + pixel.truth.r2) * 0.5f);
+    }
+    sample_.exposure = exposure_of(colors);
+}
+
+void PilotSample::extend(RendererKind kind, int leaf_grid) {
+    search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
+        SearchPixel& pixel = sample_.pixels[at.index];
+        const auto [x, y] = std::pair(at.owner.x, at.owner.y);
+        if (leaf_grid == kLeafGrids.front()) {
+            pixel.record = record_refinement(at.scene, at.view, x, y, {}, stats);
+        }
+        if (kind == RendererKind::kLod) return;
+        record_leaves(at.scene, at.view, x, y, leaf_grid, pixel.record, stats);
+        if (kind != RendererKind::kAdaptive) return;
+        pixel.variation = variation_at(at, stats);
+        CostStats leaves;
+        pixel.two_by_two.color = uniform_pixel(at.scene, at.view, x, y, 2, leaves).color;
+        pixel.two_by_two.rays = static_cast<uint32_t>(leaves.rays);
+        pixel.two_by_two.steps = static_cast<uint32_t>(leaves.steps);
+        stats += leaves;
+    });
+}
+
+/// The adaptive renderer's variation of one pixel, from the first rays of its neighbours.
+double PilotSample::variation_at(const Target& at, CostStats& stats) const {
+    std::array<OneRayPixel, 9> pixels{};
+    for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+            const CubePixel near{at.owner.face, at.owner.x + i, at.owner.y + j};
+            const int n = at.view.width_px;
+            const bool inside = near.x >= 0 && near.y >= 0 && near.x < n && near.y < n;
+            if (!inside || !(owner_of(near, n) == near)) continue;
+            CostStats one;
+            const Rgb color = lod_pixel(at.scene, at.view, near.x, near.y, {}, one).mean();
+            pixels[static_cast<size_t>(3 * (j + 1) + i + 1)] = {luminance(color), true,
+                                                                one.missed_rays == 0};
+            stats += one;
+        }
+    }
+    return luminance_variation(pixels, 3, 3, 1, 1, MissesInKernel::kLeftOut);
+}
+
+CurvePoint PilotSample::render(const RenderSettings& settings) {
+    std::vector<Rgb> colors(places_.size());
+    const CostStats cost = for_each_pixel([&](const Target& at, CostStats& stats) {
+        const auto [x, y] = std::pair(at.owner.x, at.owner.y);
+        const auto render_pixel = [&]() -> PixelSums {
+            switch (settings.kind) {
+                case RendererKind::kReference:
+                    return uniform_pixel(at.scene, at.view, x, y, settings.leaf_grid, stats);
+                case RendererKind::kLod:
+                    return lod_pixel(at.scene, at.view, x, y, settings, stats);
+                case RendererKind::kErrorAware:
+                    return error_aware_pixel(at.scene, at.view, x, y, settings, stats);
+                case RendererKind::kAdaptive: break;
+            }
+            const int grid =
+                adaptive_grid(sample_.pixels[at.index].variation, settings.normaliser);
+            PixelSums sums = lod_pixel(at.scene, at.view, x, y, settings, stats);
+            return grid == 0 ? sums : uniform_pixel(at.scene, at.view, x, y, grid, stats);
+        };
+        colors[at.index] = render_pixel().mean();
+    });
+    return {settings, cost.all_rays(), cost.steps, cost.seconds, measure(sample_, colors)};
+}
+
+}  // namespace probebake

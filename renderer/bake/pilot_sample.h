@@ -1,0 +1,71 @@
+// The pilot's pixels: drawn, measured against the truth, and rendered under any settings.
+#pragma once
+
+#include <vector>
+
+#include "bake/probe_view.h"
+#include "bake/quality_search.h"
+#include "render/cancel.h"
+
+namespace probebake {
+
+/// A setting that was rendered on the pilot's pixels.
+struct CurvePoint {
+    RenderSettings settings;
+    uint64_t rays = 0;
+    uint64_t steps = 0;
+    double seconds = 0.0;  // of one thread
+    MeasuredError error;
+};
+
+/// All functions run on the calling arena, give the same values for any number of threads, and
+/// throw Cancelled.
+class PilotSample {
+  public:
+    /// Draws the pixels of up to 64 probes, two per cent of the job within bounds; whole windows of
+    /// SSIM where that is the target. Casts their truth and finds the exposure.
+    PilotSample(const Scene& scene, const JobSpec& job, LightingState state,
+                const CancelToken& cancel);
+
+    /// Casts what candidates of a renderer with leaf rays of this grid could cast. Grids in the
+    /// order of kLeafGrids.
+    void extend(RendererKind kind, int leaf_grid);
+
+    /// Renders every pixel and measures the error.
+    CurvePoint render(const RenderSettings& settings);
+
+    const SearchSample& sample() const { return sample_; }
+    /// Of truth and candidates.
+    const CostStats& search_cost() const { return search_cost_; }
+
+  private:
+    struct Place {
+        size_t probe = 0;
+        CubePixel pixel;  // as stored; its owner is what is rendered
+    };
+    /// What a pixel is cast with.
+    struct Target {
+        size_t index;
+        const RenderScene& scene;
+        const View& view;
+        const CubePixel& owner;
+    };
+
+    void choose_places();
+    void add_square(size_t probe, RandomStream& random, int side);
+    void cast_truth();
+    void set_exposure();
+    double variation_at(const Target& target, CostStats& stats) const;
+    template <class Cast>
+    CostStats for_each_pixel(Cast cast) const;
+
+    const Scene& scene_;
+    const JobSpec& job_;
+    const LightingState state_;
+    const CancelToken& cancel_;
+    std::vector<Place> places_;
+    SearchSample sample_;
+    CostStats search_cost_;
+};
+
+}  // namespace probebake

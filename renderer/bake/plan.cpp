@@ -1,0 +1,90 @@
+#include "bake/plan.h"
+
+#include <algorithm>
+
+#include "image/cubemap.h"
+#include "render/render.h"
+
+namespace probebake {
+namespace {
+
+/// Everything of a job that no state, product or target asks for.
+std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan& plan) {
+    std::vector<LeftOut> out;
+    const auto leave = [&](const char* what, const char* why) { out.push_back({what, why}); };
+    const bool emission_asked = std::count(job.states.begin(), job.states.end(),
+                                           LightingState::kEmission) > 0;
+    if (!scene.emits()) {
+        leave("emission colours", "no voxel of the scene emits");
+    } else if (!emission_asked) {
+        leave("emission colours", "no lighting state shows emission");
+    }
+    if (!plan.needs_error_table) leave("error table", "no renderer of this job looks at it");
+    if (!plan.needs_pilot) leave("quality search", "the job brings its own settings");
+    if (!plan.needs_audit) leave("audit", "the job asks for no evidence");
+    if (!job.aux) leave("aux file", "products do not name it");
+    if (job.quality.target.metric != QualityTarget::Metric::kSsim) {
+        leave("SSIM audit", "the target is another metric; SSIM costs whole windows of pixels");
+    }
+    return out;
+}
+
+}  // namespace
+
+Plan make_plan(const Scene& scene, const JobSpec& job) {
+    Plan plan;
+    if (job.quality.renderer) {
+        plan.renderers = {*job.quality.renderer};
+    } else {
+        plan.renderers = {RendererKind::kErrorAware, RendererKind::kReference};
+    }
+    plan.needs_error_table = std::count(plan.renderers.begin(), plan.renderers.end(),
+                                        RendererKind::kErrorAware) > 0;
+    plan.needs_pilot = !job.quality.settings;
+    plan.needs_audit = job.quality.evidence.audit;
+    plan.left_out = unneeded(scene, job, plan);
+    plan.work_units = job.probes.size() * job.states.size();
+    plan.texels = texel_count(job);
+    plan.scene_bytes = scene.tree.memory_bytes();
+
+    int largest = 0;
+    for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
+    const uint64_t unit_texels =
+        6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
+    // The render (twice while faces become a cube), the values as written, and the encoded files.
+    plan.bytes_per_unit = unit_texels * (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) +
+                                         3 * sizeof(float) + (job.aux ? 6 * sizeof(float) : 0));
+    plan.output_bytes = plan.texels * (3 * 2 + (job.aux ? 6 * 4 : 0)) + plan.work_units * 4096;
+
+    if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
+    uint64_t inside = 0;
+    for (const ProbeSpec& probe : job.probes) {
+        if (scene.inside_voxel(probe.position_m)) ++inside;
+    }
+    if (inside > 0) {
+        plan.warnings.push_back(std::to_string(inside) +
+                                " probes lie in a voxel, which their rays pass through");
+    }
+    for (const std::string& warning : scene.warnings) plan.warnings.push_back(warning);
+    return plan;
+}
+
+Json write_plan(const Plan& plan) {
+    Json json = {{"work_units", plan.work_units},
+                 {"texels", plan.texels},
+                 {"quality_search", plan.needs_pilot},
+                 {"audit", plan.needs_audit},
+                 {"memory",
+                  {{"scene_bytes", plan.scene_bytes},
+                   {"bytes_per_work_unit", plan.bytes_per_unit}}},
+                 {"output_bytes_at_most", plan.output_bytes},
+                 {"left_out", Json::array()},
+                 {"warnings", plan.warnings}};
+    for (const RendererKind kind : plan.renderers) json["renderers"].push_back(name_of(kind));
+    for (const LeftOut& left : plan.left_out) {
+        json["left_out"].push_back({{"what", left.what}, {"why", left.why}});
+    }
+    return json;
+}
+
+}  // namespace probebake

@@ -1,0 +1,45 @@
+// A probe as the renderers see it: its scene in voxels, its faces, its random streams.
+#pragma once
+
+#include <numbers>
+
+#include "bake/job_spec.h"
+#include "render/pixel.h"
+#include "scene/scene.h"
+
+namespace probebake {
+
+/// Distance in metres beyond which the probe sees nothing: its far_m, or the end of the world.
+inline double effective_far_m(const Scene& scene, const ProbeSpec& probe) {
+    return probe.far_m.value_or(scene.reach_m(probe.position_m));
+}
+
+/// What the probe sees in a lighting state. The scene outlives it.
+inline RenderScene render_scene(const Scene& scene, const ProbeSpec& probe, LightingState state) {
+    const ColorPyramid& colors = scene.tree.colors();
+    return {.tree = scene.tree,
+            .color = state == LightingState::kAlbedo ? colors.albedo : colors.emission,
+            .range = {.t_min = probe.near_m / scene.voxel_size_m,
+                      .t_max = effective_far_m(scene, probe) / scene.voxel_size_m}};
+}
+
+inline View face_view(const Scene& scene, const ProbeSpec& probe, CubeFace face) {
+    return cube_face_view(face, probe.face_size_px, scene.to_voxels(probe.position_m));
+}
+
+/// What the error of a stored pixel counts for in the mean over a cubemap; 1 on average.
+inline double pixel_weight(Weighting weighting, const CubePixel& pixel, int n) {
+    if (weighting == Weighting::kUniform) return 1.0;
+    const double mean = 4.0 * std::numbers::pi / (6.0 * n * n);
+    return pixel_solid_angle(pixel.x, pixel.y, n) / mean;
+}
+
+/// What a random stream is for: streams of different purposes share no number.
+enum class StreamPurpose : uint64_t {
+    kPilotChoice = 1,
+    kPilotTruth = 2,
+    kAuditChoice = 3,
+    kAuditTruth = 4,
+};
+
+}  // namespace probebake

@@ -1,0 +1,75 @@
+#include "bake/quality.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace probebake {
+namespace {
+
+std::optional<double> psnr_of(double mse) {
+    if (!(mse > 0.0) || !std::isfinite(mse)) return std::nullopt;
+    return -10.0 * std::log10(mse);
+}
+
+}  // namespace
+
+TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
+                     const TruthParams& params, CostStats& stats) {
+    if (params.against == Against::kReference) {
+        const Rgb reference = uniform_pixel(scene, view, x, y, 4, stats).mean();
+        return {reference, reference};
+    }
+    RandomStream random(params.key);
+    const Rgb r1 = stratified_pixel(scene, view, x, y, params.side, random, stats);
+    const Rgb r2 = stratified_pixel(scene, view, x, y, params.side, random, stats);
+    return {r1, r2};
+}
+
+double squared_error(const Rgb& value, const TruthPair& truth, double exposure) {
+    const Vec3 d1 = (Vec3(value) - Vec3(truth.r1)) / exposure;
+    const Vec3 d2 = (Vec3(value) - Vec3(truth.r2)) / exposure;
+    return glm::dot(d1, d2) / 3.0;
+}
+
+ErrorFigures figures_of(const Estimate& mse, double confidence) {
+    const Interval interval = mse.interval(confidence);
+    const auto root = [](double x) { return std::sqrt(std::max(0.0, x)); };
+    return {.rmse = root(mse.value),
+            .rmse_interval = {root(interval.low), root(interval.high)},
+            .psnr_db = psnr_of(mse.value),
+            .psnr_low_db = psnr_of(interval.high),
+            .psnr_high_db = psnr_of(interval.low)};
+}
+
+double largest_mse(const QualityTarget& target) {
+    return target.metric == QualityTarget::Metric::kPsnrDb ? std::pow(10.0, -target.value / 10.0)
+                                                           : target.value * target.value;
+}
+
+bool estimate_meets(const QualityTarget& target, const MeasuredError& error) {
+    switch (target.metric) {
+        case QualityTarget::Metric::kRays: return true;
+        case QualityTarget::Metric::kSsim: return error.ssim && error.ssim->value >= target.value;
+        default: return error.mse.value <= largest_mse(target);
+    }
+}
+
+bool bound_meets(const QualityTarget& target, const MeasuredError& error, double confidence) {
+    switch (target.metric) {
+        case QualityTarget::Metric::kRays: return true;
+        case QualityTarget::Metric::kSsim:
+            return error.ssim && error.ssim->interval(confidence).low >= target.value;
+        default: return error.mse.interval(confidence).high <= largest_mse(target);
+    }
+}
+
+bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence) {
+    switch (target.metric) {
+        case QualityTarget::Metric::kRays: return false;
+        case QualityTarget::Metric::kSsim:
+            return error.ssim && error.ssim->interval(confidence).high < target.value;
+        default: return error.mse.interval(confidence).low > largest_mse(target);
+    }
+}
+
+}  // namespace probebake

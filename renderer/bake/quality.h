@@ -1,0 +1,66 @@
+// Errors measured against the truth, and whether they meet a target.
+//
+// The truth of a pixel is the mean leaf-level radiance over its footprint. It is never known
+// exactly: two independent stratified means r1, r2 of it make (a − r1)(a − r2) an unbiased estimate
+// of the squared error of a value a (docs/conventions.md, "Audited error").
+#pragma once
+
+#include <optional>
+
+#include "bake/job_spec.h"
+#include "math/estimate.h"
+#include "render/pixel.h"
+
+namespace probebake {
+
+/// Two independent estimates of what a pixel is measured against; equal where that is exact.
+struct TruthPair {
+    Rgb r1{0.0f};
+    Rgb r2{0.0f};
+};
+
+/// Leaf rays per side of one estimate of the truth.
+inline constexpr int kTruthGrid = 4;
+
+/// Truth (side × side jittered rays each) or the thesis's 4 × 4 reference of pixel (x, y). `key`
+/// names the random stream. Rays are counted in `stats`.
+struct TruthParams {
+    Against against = Against::kTruth;
+    uint64_t key = 0;
+    int side = kTruthGrid;
+};
+TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
+                     const TruthParams& params, CostStats& stats);
+
+/// Unbiased estimate of the mean squared error over R, G, B after dividing by the exposure; may be
+/// negative.
+double squared_error(const Rgb& value, const TruthPair& truth, double exposure);
+
+/// What is known of an image's error.
+struct MeasuredError {
+    Estimate mse;
+    std::optional<Estimate> ssim;
+};
+
+/// The figures of a MeasuredError as reports show them.
+struct ErrorFigures {
+    double rmse = 0.0;
+    Interval rmse_interval;
+    std::optional<double> psnr_db;  // none where no error was found
+    /// A bound is none where the error cannot be told from zero.
+    std::optional<double> psnr_low_db;
+    std::optional<double> psnr_high_db;
+};
+ErrorFigures figures_of(const Estimate& mse, double confidence);
+
+/// The largest mean squared error that meets a target of PSNR or RMSE.
+double largest_mse(const QualityTarget& target);
+
+/// Whether the estimate alone meets a target, and whether the far end of its interval does. A
+/// target of rays says nothing about error: always true.
+bool estimate_meets(const QualityTarget& target, const MeasuredError& error);
+bool bound_meets(const QualityTarget& target, const MeasuredError& error, double confidence);
+/// Whether even the near end of the interval misses it.
+bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence);
+
+}  // namespace probebake

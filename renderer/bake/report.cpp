@@ -1,0 +1,312 @@
+#include "bake/report.h"
+
+#include <algorithm>
+#include <map>
+
+#include "bake/job_names.h"
+
+namespace probebake {
+namespace {
+
+template <class T>
+Json optional_json(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json write_cost(const CostStats& cost) {
+    return {{"rays", cost.rays},
+            {"discarded_rays", cost.discarded_rays},
+            {"missed_rays", cost.missed_rays},
+            {"steps", cost.steps},
+            {"seconds", cost.seconds}};
+}
+
+/// With the levels at which rays stopped, up to the highest one.
+Json write_cost_with_levels(const CostStats& cost) {
+    Json json = write_cost(cost);
+    size_t levels = cost.level_histogram.size();
+    while (levels > 0 && cost.level_histogram[levels - 1] == 0) --levels;
+    json["level_histogram"] = Json::array();
+    for (size_t i = 0; i < levels; ++i) json["level_histogram"].push_back(cost.level_histogram[i]);
+    return json;
+}
+
+Json write_error(const MeasuredError& error, double confidence) {
+    const ErrorFigures figures = figures_of(error.mse, confidence);
+    Json json = {{"rmse", figures.rmse},
+                 {"rmse_interval", {figures.rmse_interval.low, figures.rmse_interval.high}},
+                 {"psnr_db", optional_json(figures.psnr_db)},
+                 {"psnr_db_interval",
+                  {optional_json(figures.psnr_low_db), optional_json(figures.psnr_high_db)}},
+                 {"exact", error.mse.value == 0.0 && error.mse.variance == 0.0},
+                 {"samples", error.mse.samples}};
+    if (error.ssim) {
+        const Interval interval = error.ssim->interval(confidence);
+        json["ssim"] = error.ssim->value;
+        json["ssim_interval"] = {interval.low, interval.high};
+    }
+    return json;
+}
+
+Json write_curve(const Pilot& pilot, double confidence) {
+    Json curve = Json::array();
+    for (const CurvePoint& point : pilot.curve) {
+        Json json = {{"settings", write_settings(point.settings)},
+                     {"chosen", point.settings == pilot.settings},
+                     {"pixels", pilot.pixels},
+                     {"rays", point.rays},
+                     {"steps", point.steps},
+                     {"seconds", point.seconds}};
+        json["error"] = write_error(point.error, confidence);
+        curve.push_back(std::move(json));
+    }
+    return curve;
+}
+
+std::string_view name_of(Expectation expectation) {
+    constexpr std::array<std::string_view, 3> kNames = {"target_met", "budget_exhausted",
+                                                        "unreachable"};
+    return kNames[static_cast<size_t>(expectation)];
+}
+
+std::string_view name_of(EvidenceOf evidence) {
+    constexpr std::array<std::string_view, 3> kNames = {"none", "probe", "job"};
+    return kNames[static_cast<size_t>(evidence)];
+}
+
+struct Costs {
+    CostStats render;
+    CostStats earlier_renders;
+    CostStats pilot;
+    CostStats audit;
+    uint64_t pixels = 0;
+
+    void add(const ProbeResult& result) {
+        render += result.render_cost();
+        earlier_renders += result.earlier_renders;
+        audit += result.decision_cost;
+        audit += result.certificate.cost;
+        for (const uint64_t face : result.pixels) pixels += face;
+    }
+    void add(const Pilot& of) {
+        pilot += of.search_cost;
+        pilot += of.curve_cost;
+    }
+    /// By counted steps: a share that does not hang on the machine.
+    static double share(const CostStats& part, const CostStats& render) {
+        return render.steps > 0
+                   ? static_cast<double>(part.steps) / static_cast<double>(render.steps)
+                   : 0.0;
+    }
+    Json write() const {
+        const auto per_pixel = [&](uint64_t rays) {
+            return pixels > 0 ? static_cast<double>(rays) / static_cast<double>(pixels) : 0.0;
+        };
+        return {{"pixels", pixels},
+                {"render", write_cost_with_levels(render)},
+                {"rays_per_pixel", per_pixel(render.all_rays())},
+                {"earlier_renders", write_cost(earlier_renders)},
+                {"pilot", write_cost(pilot)},
+                {"pilot_steps_over_render", share(pilot, render)},
+                {"audit", write_cost(audit)},
+                {"audit_steps_over_render", share(audit, render)}};
+    }
+};
+
+Json write_scene(const Scene& scene) {
+    const VoxelTree& tree = scene.tree;
+    const SceneLoadStats& load = scene.load;
+    return {{"name", scene.name},
+            {"sha256", scene.sha256},
+            {"author", scene.author},
+            {"licence", scene.licence},
+            {"voxel_size_m", scene.voxel_size_m},
+            {"corner_m", {scene.corner_m.x, scene.corner_m.y, scene.corner_m.z}},
+            {"depth", tree.depth()},
+            {"voxels", tree.voxel_count()},
+            {"octree_nodes", tree.octree_node_count()},
+            {"bytes", tree.memory_bytes()},
+            {"load",
+             {{"seconds", load.total_seconds},
+              {"from_cache", load.from_cache},
+              {"import_seconds", load.import_seconds},
+              {"sort_seconds", load.build.sort_seconds},
+              {"tree_seconds", load.build.tree_seconds},
+              {"color_seconds", load.build.color_seconds},
+              {"build_peak_bytes", load.build.peak_bytes}}}};
+}
+
+std::vector<const ProbeResult*> results_of(const BakeRecord& record, LightingState state) {
+    std::vector<const ProbeResult*> results;
+    for (const ProbeResult& result : record.results) {
+        if (result.state == state) results.push_back(&result);
+    }
+    return results;
+}
+
+Json write_state(const BakeRecord& record, const Pilot& pilot) {
+    const double confidence = record.job.quality.evidence.confidence;
+    const std::vector<const ProbeResult*> results = results_of(record, pilot.state);
+    const MeasuredError pooled = pooled_error(results);
+    std::map<std::string, uint64_t> verdicts;
+    Costs costs;
+    costs.add(pilot);
+    for (const ProbeResult* result : results) {
+        ++verdicts[std::string(name_of(judge(record.job, pilot, *result, pooled).verdict))];
+        costs.add(*result);
+    }
+    Json json = {{"state", name_of(pilot.state)},
+                 {"exposure", pilot.exposure},
+                 {"settings", write_settings(pilot.settings)},
+                 {"expectation", name_of(pilot.expectation)},
+                 {"pilot",
+                  {{"pixels", pilot.pixels},
+                   {"candidates", pilot.candidates},
+                   {"wall_seconds", pilot.wall_seconds}}},
+                 {"results", verdicts},
+                 {"cost", costs.write()},
+                 {"curve", write_curve(pilot, confidence)}};
+    if (record.job.quality.evidence.audit && !results.empty()) {
+        json["error"] = write_error(pooled, confidence);
+        json["error"]["evidence"] = name_of(EvidenceOf::kJob);
+    }
+    return json;
+}
+
+}  // namespace
+
+std::string_view name_of(Verdict verdict) {
+    constexpr std::array<std::string_view, 5> kNames = {
+        "target_met", "target_missed", "budget_exhausted", "unreachable", "not_audited"};
+    return kNames[static_cast<size_t>(verdict)];
+}
+
+MeasuredError pooled_error(const std::vector<const ProbeResult*>& results) {
+    MeasuredError pooled;
+    const double weight = 1.0 / static_cast<double>(std::max<size_t>(1, results.size()));
+    for (const ProbeResult* result : results) {
+        const MeasuredError& error = result->certificate.error;
+        pooled.mse.add(weight, error.mse);
+        if (!error.ssim) continue;
+        if (!pooled.ssim) pooled.ssim = Estimate{};
+        pooled.ssim->add(weight, *error.ssim);
+    }
+    return pooled;
+}
+
+Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
+                const MeasuredError& pooled) {
+    const QualityTarget& target = job.quality.target;
+    // A number of rays is a limit that holds by construction.
+    if (target.metric == QualityTarget::Metric::kRays) {
+        return {Verdict::kTargetMet, EvidenceOf::kNone};
+    }
+    if (result.certificate.pixels == 0) return {Verdict::kNotAudited, EvidenceOf::kNone};
+    const double confidence = job.quality.evidence.confidence;
+    const MeasuredError& own = result.certificate.error;
+    if (bound_meets(target, own, confidence)) return {Verdict::kTargetMet, EvidenceOf::kProbe};
+    if (bound_meets(target, pooled, confidence) && !surely_misses(target, own, confidence)) {
+        return {Verdict::kTargetMet, EvidenceOf::kJob};
+    }
+    if (result.limited || pilot.expectation == Expectation::kBudgetExhausted) {
+        return {Verdict::kBudgetExhausted, EvidenceOf::kProbe};
+    }
+    const bool finest = pilot.finer.empty() || result.settings == pilot.finer.back().settings;
+    if (pilot.expectation == Expectation::kUnreachable || (finest && !job.quality.settings)) {
+        return {Verdict::kUnreachable, EvidenceOf::kProbe};
+    }
+    return {Verdict::kTargetMissed, EvidenceOf::kProbe};
+}
+
+Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeResult& result,
+                     const MeasuredError& pooled) {
+    const ProbeSpec& probe = record.job.probes[result.probe];
+    const Judgement judgement = judge(record.job, pilot, result, pooled);
+    Costs costs;
+    costs.add(result);
+    Json json = {{"probe", probe.id},
+                 {"state", name_of(result.state)},
+                 {"result", name_of(judgement.verdict)},
+                 {"evidence", name_of(judgement.evidence)},
+                 {"position_m", {probe.position_m.x, probe.position_m.y, probe.position_m.z}},
+                 {"face_size_px", probe.face_size_px},
+                 {"near_m", probe.near_m},
+                 {"far_m", result.far_m},
+                 {"inside_voxel", result.inside_voxel},
+                 {"settings", write_settings(result.settings)},
+                 {"looks", result.looks},
+                 {"limited", result.limited},
+                 {"wall_seconds", result.wall_seconds},
+                 {"faces", Json::array()},
+                 {"files", Json::array()}};
+    json["cost"] = costs.write();
+    json["cost"].erase("pilot");
+    json["cost"].erase("pilot_steps_over_render");
+    for (size_t f = 0; f < kFaceCount; ++f) {
+        Json face = write_cost_with_levels(result.faces[f]);
+        face["face"] = kFaceNames[f];
+        face["pixels"] = result.pixels[f];
+        json["faces"].push_back(std::move(face));
+    }
+    if (result.certificate.pixels > 0) {
+        json["error"] = write_error(result.certificate.error, record.job.quality.evidence.confidence);
+    }
+    for (const ProductFile& file : result.files) {
+        json["files"].push_back(
+            {{"name", file.name}, {"bytes", file.size_bytes}, {"sha256", file.sha256}});
+    }
+    return json;
+}
+
+Json provenance(int threads) {
+    return {{"version", PROBEBAKE_VERSION},
+            {"compiler", "g++ " __VERSION__},
+            {"kernel", "scalar"},
+            {"instruction_set", "x86-64-v2"},
+            {"threads", threads}};
+}
+
+Json write_report(const BakeRecord& record) {
+    Costs costs;
+    std::vector<std::string> warnings = record.plan.warnings;
+    warnings.insert(warnings.end(), record.warnings.begin(), record.warnings.end());
+    uint64_t bytes = 0;
+    uint64_t floats = 0;
+    for (const ProbeResult& result : record.results) {
+        costs.add(result);
+        floats += result.is_float ? 1 : 0;
+        for (const ProductFile& file : result.files) bytes += file.size_bytes;
+    }
+    if (floats > 0) {
+        warnings.push_back(std::to_string(floats) +
+                           " cubemaps are FLOAT: they hold values above 65504");
+    }
+    const QualitySpec& quality = record.job.quality;
+    Json states = Json::array();
+    for (const Pilot& pilot : record.pilots) {
+        costs.add(pilot);
+        states.push_back(write_state(record, pilot));
+    }
+    return {{"effective_request", write_job(record.job)},
+            {"scene", write_scene(record.scene)},
+            {"plan", write_plan(record.plan)},
+            {"target",
+             {{"metric", name_of(quality.target.metric)},
+              {"value", quality.target.value},
+              {"against", name_of(quality.against)},
+              {"confidence", quality.evidence.confidence},
+              {"weighting", kWeightingNames[static_cast<size_t>(quality.weighting)]}}},
+            {"states", std::move(states)},
+            {"totals",
+             {{"cubemaps", record.results.size()},
+              {"bytes", bytes},
+              {"cost", costs.write()},
+              {"wall_seconds", record.wall_seconds},
+              {"seconds_to_first_probe", record.seconds_to_first_probe},
+              {"peak_memory_bytes", record.peak_memory_bytes}}},
+            {"deterministic", !record.job.budget.seconds.has_value()},
+            {"warnings", warnings},
+            {"provenance", provenance(record.threads)}};
+}
+
+}  // namespace probebake

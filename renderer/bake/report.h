@@ -1,0 +1,65 @@
+// What a job is told about its result: verdicts, errors with intervals, costs, curves.
+//
+// The report has no rows per probe: those are written one by one (write_probe_row), so that 65,536
+// probes never make one document. docs/report.md documents every field.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/bake_probe.h"
+
+namespace probebake {
+
+enum class Verdict {
+    kTargetMet,        // the far end of the error's interval meets the target
+    kTargetMissed,     // it does not, though the settings were expected to
+    kBudgetExhausted,  // the budget stood in the way
+    kUnreachable,      // not even the finest settings meet it
+    kNotAudited,       // no evidence was asked for
+};
+std::string_view name_of(Verdict verdict);
+
+/// Whose evidence a verdict stands on.
+enum class EvidenceOf {
+    kNone,
+    kProbe,  // the probe's own audit tells
+    kJob,    // it is too small to tell; the audits of all probes of the state, pooled, tell
+};
+
+struct Judgement {
+    Verdict verdict = Verdict::kNotAudited;
+    EvidenceOf evidence = EvidenceOf::kNone;
+};
+
+/// The audits of all probes of a state as one estimate: the mean over the probes.
+MeasuredError pooled_error(const std::vector<const ProbeResult*>& results);
+
+Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
+                const MeasuredError& pooled);
+
+/// A finished bake, as far as the report is concerned. Results may have given their files' bytes
+/// away.
+struct BakeRecord {
+    const Scene& scene;
+    const JobSpec& job;
+    const Plan& plan;
+    const std::vector<Pilot>& pilots;         // one per state, in the order of JobSpec::states
+    const std::vector<ProbeResult>& results;  // those that were finished
+    double wall_seconds = 0.0;                // pilot and render
+    double seconds_to_first_probe = 0.0;
+    uint64_t peak_memory_bytes = 0;           // of the process
+    int threads = 1;
+    std::vector<std::string> warnings;
+};
+
+Json write_report(const BakeRecord& record);
+/// The row of one result; `pooled` belongs to its state.
+Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeResult& result,
+                     const MeasuredError& pooled);
+
+/// Version, compiler, kernels and machine: what the determinism of the bytes is promised for.
+Json provenance(int threads);
+
+}  // namespace probebake

@@ -1,0 +1,185 @@
+#include "scene/scene_library.h"
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "io/file.h"
+#include "io/json.h"
+#include "io/sha256.h"
+#include "scene/vox_import.h"
+#include "voxels/tree_file.h"
+
+namespace probebake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Changes whenever an importer or generator makes other voxels of the same file.
+constexpr std::string_view kImportVersion = "probebake voxels 1\n";
+constexpr uint64_t kMaxSceneFileBytes = 64 * 1024;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// A plain file name: no folder, nothing hidden.
+bool is_file_name(const std::string& text) {
+    return !text.empty() && text.size() <= 64 && text[0] != '.' &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '.' || c == '_' || c == '-';
+           });
+}
+
+GeneratorParams read_generator(ObjectReader& reader) {
+    GeneratorParams params;
+    params.name = reader.name("generator", std::nullopt);
+    params.size = static_cast<int>(reader.integer("size", 1, 65536, params.size));
+    params.seed = reader.unsigned_integer("seed", std::numeric_limits<uint64_t>::max(), params.seed);
+    return params;
+}
+
+/// The voxels of a scene file, as a tree, and what else the cache must give back.
+struct World {
+    VoxelTree tree;
+    IVec3 lowest{0};  // where its corner lies in the file's own space, voxels
+    std::vector<std::string> warnings;
+};
+
+World make_world(const SceneFile& file, SceneLoadStats& stats) {
+    const auto start = Clock::now();
+    World world;
+    VoxelCloud cloud;
+    if (file.generator) {
+        cloud = generate(*file.generator);
+    } else {
+        VoxImport import = import_vox(read_file(*file.vox), file.vox->filename().string());
+        cloud = std::move(import.cloud);
+        world.lowest = import.lowest;
+        world.warnings = std::move(import.warnings);
+    }
+    stats.import_seconds = seconds_since(start);
+    world.tree = VoxelTree::build(std::move(cloud), &stats.build);
+    return world;
+}
+
+void save_world(const std::filesystem::path& path, const World& world) {
+    const Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
+                        {"warnings", world.warnings}};
+    save_tree(path, world.tree, dump_json(notes));
+}
+
+/// No value where the cache has no whole file of it.
+std::optional<World> load_world(const std::filesystem::path& path) {
+    try {
+        TreeFile file = load_tree(path);
+        const Json notes = parse_json(file.notes);
+        World world{.tree = std::move(file.tree)};
+        for (int axis = 0; axis < 3; ++axis) {
+            world.lowest[axis] = notes.at("lowest").at(static_cast<size_t>(axis)).get<int>();
+        }
+        world.warnings = notes.at("warnings").get<std::vector<std::string>>();
+        return world;
+    } catch (const IoError&) {
+        return std::nullopt;
+    }
+}
+
+}  // namespace
+
+SceneFile read_scene_file(const std::filesystem::path& path) {
+    const std::vector<std::byte> bytes = read_file(path, kMaxSceneFileBytes);
+    SceneFile file;
+    file.name = path.stem().string();
+    file.text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const Json document = parse_json(file.text);
+    JsonIssues issues;
+    ObjectReader reader(document, "", issues);
+    constexpr std::string_view kTypes[] = {"generator", "vox"};
+    const size_t type = reader.choice("type", kTypes, std::nullopt);
+    file.description = reader.string("description", 1000, "");
+    file.author = reader.string("author", 200, "");
+    file.licence = reader.string("licence", 200, "");
+    file.origin_m = reader.vector("origin_m", 1e6, Vec3(0.0));
+    if (type == 0) {
+        file.generator = read_generator(reader);
+        try {
+            const double size_m = voxel_size_m(*file.generator);
+            file.voxel_size_m = reader.number("voxel_size_m", {1e-6, 1e3}, size_m);
+        } catch (const std::invalid_argument& error) {
+            issues.unacceptable(reader.pointer_to("generator"), error.what());
+        }
+    } else {
+        file.voxel_size_m = reader.number("voxel_size_m", {1e-6, 1e3}, std::nullopt);
+        const std::string name = reader.string("file", 64, std::nullopt);
+        if (!is_file_name(name)) {
+            issues.unacceptable(reader.pointer_to("file"),
+                                "expected the name of a file in the scene's own folder");
+        }
+        file.vox = path.parent_path() / name;
+    }
+    reader.refuse_unknown();
+    issues.throw_if_any();
+    return file;
+}
+
+std::string content_sha256(const SceneFile& file) {
+    Sha256 sha;
+    sha.update(kImportVersion);
+    sha.update(file.text);
+    if (file.vox) sha.update(read_file(*file.vox));
+    return sha.hex();
+}
+
+Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::path>& cache_dir) {
+    const auto start = Clock::now();
+    Scene scene;
+    scene.name = file.name;
+    scene.sha256 = content_sha256(file);
+    scene.author = file.author;
+    scene.licence = file.licence;
+    scene.voxel_size_m = file.voxel_size_m;
+    std::optional<std::filesystem::path> cached;
+    if (cache_dir) cached = *cache_dir / (scene.sha256 + ".voxtree");
+    std::optional<World> world;
+    if (cached) world = load_world(*cached);
+    scene.load.from_cache = world.has_value();
+    if (!world) {
+        world = make_world(file, scene.load);
+        if (cached) save_world(*cached, *world);
+    }
+    scene.tree = std::move(world->tree);
+    scene.warnings = std::move(world->warnings);
+    scene.corner_m = file.origin_m + Vec3(world->lowest) * file.voxel_size_m;
+    scene.load.total_seconds = seconds_since(start);
+    return scene;
+}
+
+SceneLibrary::SceneLibrary(std::filesystem::path folder) : folder_(std::move(folder)) { names(); }
+
+std::vector<std::string> SceneLibrary::names() const {
+    std::vector<std::string> found;
+    std::error_code error;
+    for (std::filesystem::directory_iterator at(folder_, error), end; !error && at != end;
+         at.increment(error)) {
+        const std::filesystem::path& path = at->path();
+        if (path.extension() == ".json" && is_name(path.stem().string())) {
+            found.push_back(path.stem().string());
+        }
+    }
+    if (error) throw IoError(folder_.string(), "cannot be listed: " + error.message());
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+std::optional<SceneFile> SceneLibrary::find(const std::string& name) const {
+    if (!is_name(name)) return std::nullopt;
+    const std::filesystem::path path = folder_ / (name + ".json");
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
+    return read_scene_file(path);
+}
+
+}  // namespace probebake

@@ -1,0 +1,67 @@
+// Scenes by name: a folder of scene files, and how a scene is made of one.
+//
+// A scene file NAME.json holds one object:
+//
+//   type          "generator" or "vox"
+//   generator     a name of generators(); size (voxels per side), seed
+//   vox           file: a .vox file in the same folder; voxel_size_m (required, > 0)
+//   both          origin_m: where the world's own origin lies, default [0, 0, 0]
+//                 author, licence, description: texts, optional
+//
+// Names of scenes and files match [a-z0-9][a-z0-9._-]{0,63} (files also upper case); nothing a
+// client sends is ever a path. docs/scenes.md has the details.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/generate_scene.h"
+#include "scene/scene.h"
+
+namespace probebake {
+
+/// A scene file, read and checked but not loaded.
+struct SceneFile {
+    std::string name;
+    std::string description;
+    std::string author;
+    std::string licence;
+    Vec3 origin_m{0.0};
+    double voxel_size_m = 1.0;
+    /// Exactly one of these.
+    std::optional<GeneratorParams> generator;
+    std::optional<std::filesystem::path> vox;
+    /// Content of the scene file, for the hash.
+    std::string text;
+};
+
+/// Reads a scene file; file names in it are taken from its folder. Throws IoError or SpecError.
+SceneFile read_scene_file(const std::filesystem::path& path);
+
+/// SHA-256 over the scene file and the files it refers to, without loading it. Throws IoError.
+std::string content_sha256(const SceneFile& file);
+
+/// Loads or generates a scene. With `cache_dir`, its tree is kept there under the content hash and
+/// taken from there the next time; a damaged cache file is made anew. Parallel on the calling
+/// arena. Throws IoError or SpecError.
+Scene load_scene(const SceneFile& file,
+                 const std::optional<std::filesystem::path>& cache_dir = std::nullopt);
+
+class SceneLibrary {
+  public:
+    /// Throws IoError where the folder cannot be listed.
+    explicit SceneLibrary(std::filesystem::path folder);
+
+    /// Names of the scene files that are there now, sorted.
+    std::vector<std::string> names() const;
+    /// No value where there is no scene of that name. Throws IoError or SpecError for a bad file.
+    std::optional<SceneFile> find(const std::string& name) const;
+
+  private:
+    std::filesystem::path folder_;
+};
+
+}  // namespace probebake

@@ -1,0 +1,77 @@
+#include "commands/report_text.h"
+
+#include "commands/terminal.h"
+
+namespace probebake {
+namespace {
+
+std::string number_or_dash(const Json& value, int decimals) {
+    return value.is_number() ? fixed(value.get<double>(), decimals) : "-";
+}
+
+/// PSNR with its interval, e.g. "41.2 [40.3, 42.4]"; SSIM where that was the target.
+std::string error_text(const Json& error) {
+    if (error.contains("ssim")) {
+        return number_or_dash(error["ssim"], 4) + " [" +
+               number_or_dash(error["ssim_interval"][0], 4) + ", " +
+               number_or_dash(error["ssim_interval"][1], 4) + "]";
+    }
+    return number_or_dash(error["psnr_db"], 1) + " [" +
+           number_or_dash(error["psnr_db_interval"][0], 1) + ", " +
+           number_or_dash(error["psnr_db_interval"][1], 1) + "]";
+}
+
+std::string settings_text(const Json& settings) {
+    std::string text = settings["renderer"];
+    if (settings.contains("threshold")) text += " " + fixed(settings["threshold"], 3);
+    if (settings.contains("leaf_grid")) {
+        const std::string grid = std::to_string(settings["leaf_grid"].get<int>());
+        text += " " + grid + "x" + grid;
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string report_text(const Json& report, const std::vector<Json>& rows) {
+    const Json& scene = report["scene"];
+    const Json& target = report["target"];
+    std::string text =
+        "scene " + scene["name"].get<std::string>() + ": " + grouped(scene["voxels"]) +
+        " voxels, " + grouped(scene["octree_nodes"]) + " octree nodes, " +
+        bytes_text(scene["bytes"]) + "\ntarget " + target["metric"].get<std::string>() + " " +
+        target["value"].dump() + " against " + target["against"].get<std::string>() + "\n\n";
+
+    Table table({"probe/state", "result", "dB or SSIM", "rays/px", "rays", "steps", "seconds",
+                 "settings"});
+    for (const Json& row : rows) {
+        const Json& cost = row["cost"];
+        const uint64_t rays = cost["render"]["rays"].get<uint64_t>() +
+                              cost["render"]["discarded_rays"].get<uint64_t>();
+        table.add({row["probe"].get<std::string>() + "/" + row["state"].get<std::string>(),
+                   row["result"], row.contains("error") ? error_text(row["error"]) : "-",
+                   fixed(cost["rays_per_pixel"], 2), grouped(rays),
+                   grouped(cost["render"]["steps"]), fixed(cost["render"]["seconds"], 3),
+                   settings_text(row["settings"])});
+    }
+    text += table.text() + "\n";
+
+    for (const Json& state : report["states"]) {
+        const Json& cost = state["cost"];
+        text += state["state"].get<std::string>() + ": ";
+        if (state.contains("error")) text += "all probes " + error_text(state["error"]) + ", ";
+        text += "pilot " + fixed(100.0 * cost["pilot_steps_over_render"].get<double>(), 1) +
+                " % and audit " + fixed(100.0 * cost["audit_steps_over_render"].get<double>(), 1) +
+                " % of the render's steps\n";
+    }
+    const Json& totals = report["totals"];
+    text += "wall " + fixed(totals["wall_seconds"], 2) + " s, scene loaded in " +
+            fixed(scene["load"]["seconds"], 2) + " s, peak memory " +
+            bytes_text(totals["peak_memory_bytes"]) + "\n";
+    for (const Json& warning : report["warnings"]) {
+        text += "warning: " + warning.get<std::string>() + "\n";
+    }
+    return text;
+}
+
+}  // namespace probebake

@@ -1,0 +1,150 @@
+#include "engine/bake_run.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace probebake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+}
+
+class BakeRun {
+  public:
+    explicit BakeRun(const BakeParams& params) : params_(params), job_(params.job) {}
+
+    Json run() {
+        enter(BakePhase::kLoading);
+        scene_ = params_.scene(params_.cancel);
+        params_.cancel.throw_if_cancelled();
+        plan_ = make_plan(*scene_, job_);
+        begin_ = Clock::now();  // a budget of seconds does not pay for loading
+        enter(BakePhase::kPilot);
+        tune();
+        enter(BakePhase::kRendering);
+        render();
+        enter(BakePhase::kFinished);
+        return finish();
+    }
+
+  private:
+    void enter(BakePhase phase) {
+        const std::lock_guard lock(mutex_);
+        progress_.phase = phase;
+        progress_.units = job_.probes.size() * job_.states.size();
+        report_progress();
+    }
+
+    void report_progress() {  // with mutex_ held
+        const Clock::time_point now = Clock::now();
+        progress_.seconds = seconds_between(start_, now);
+        if (progress_.units_done > 0) {
+            const double per_unit = seconds_between(render_begin_, now) /
+                                    static_cast<double>(progress_.units_done);
+            progress_.seconds_left =
+                per_unit * static_cast<double>(progress_.units - progress_.units_done);
+        }
+        if (params_.on_progress) params_.on_progress(progress_);
+    }
+
+    double seconds_left() const {
+        return job_.budget.seconds.value_or(0.0) - seconds_between(begin_, Clock::now());
+    }
+    bool out_of_time() const { return job_.budget.seconds && seconds_left() <= 0.0; }
+
+    void tune() {
+        for (size_t s = 0; s < job_.states.size(); ++s) {
+            std::optional<TimeBudget> time;
+            if (job_.budget.seconds) {
+                // What is left, in equal parts for this state and those after it.
+                time = {params_.pool.threads(),
+                        std::max(0.0, seconds_left()) /
+                            static_cast<double>(job_.states.size() - s)};
+            }
+            params_.pool.run([&] {
+                pilots_.push_back(
+                    run_pilot(*scene_, job_, plan_, job_.states[s], params_.cancel, time));
+            });
+        }
+    }
+
+    void render() {
+        render_begin_ = Clock::now();
+        results_.resize(job_.probes.size() * job_.states.size());
+        params_.pool.for_each(results_.size(), [&](size_t i) {
+            params_.cancel.throw_if_cancelled();
+            // Probe by probe, so that a probe's states end together.
+            const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
+            ProbeResult result = bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit,
+                                            params_.cancel);
+            publish(i, std::move(result));
+        });
+    }
+
+    void publish(size_t i, ProbeResult result) {
+        const std::lock_guard lock(mutex_);
+        if (params_.sink) params_.sink(job_.probes[result.probe], result);
+        for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
+        if (progress_.units_done == 0) first_unit_seconds_ = seconds_between(start_, Clock::now());
+        results_[i] = std::move(result);
+        ++progress_.units_done;
+        report_progress();
+    }
+
+    Json finish() const {
+        const BakeRecord record{.scene = *scene_,
+                                .job = job_,
+                                .plan = plan_,
+                                .pilots = pilots_,
+                                .results = results_,
+                                .wall_seconds = seconds_between(begin_, Clock::now()),
+                                .seconds_to_first_probe = first_unit_seconds_,
+                                .peak_memory_bytes = peak_memory_bytes(),
+                                .threads = params_.pool.threads()};
+        std::vector<MeasuredError> pooled;
+        for (const Pilot& pilot : pilots_) pooled.push_back(pooled_error(record, pilot.state));
+        for (size_t i = 0; params_.row_sink && i < results_.size(); ++i) {
+            const size_t state = i % pilots_.size();
+            params_.row_sink(write_probe_row(record, pilots_[state], results_[i], pooled[state]));
+        }
+        return write_report(record);
+    }
+
+    const BakeParams& params_;
+    const JobSpec& job_;
+    const Clock::time_point start_ = Clock::now();
+    Clock::time_point begin_ = start_;
+    Clock::time_point render_begin_ = start_;
+    std::shared_ptr<const Scene> scene_;
+    Plan plan_;
+    std::vector<Pilot> pilots_;
+
+    std::mutex mutex_;
+    // Guarded by mutex_ while units run:
+    std::vector<ProbeResult> results_;
+    BakeProgress progress_;
+    double first_unit_seconds_ = 0.0;
+};
+
+}  // namespace
+
+std::string_view name_of(BakePhase phase) {
+    constexpr std::array<std::string_view, 4> kNames = {"loading", "pilot", "rendering",
+                                                        "finished"};
+    return kNames[static_cast<size_t>(phase)];
+}
+
+Json run_bake(const BakeParams& params) { return BakeRun(params).run(); }
+
+uint64_t peak_memory_bytes() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace probebake

@@ -1,0 +1,97 @@
+#include "engine/scene_cache.h"
+
+#include <chrono>
+#include <utility>
+
+namespace probebake {
+namespace {
+
+/// How often a waiting job looks whether it was cancelled.
+constexpr std::chrono::milliseconds kCancelInterval{50};
+
+}  // namespace
+
+SceneCache::SceneCache(RenderPool& pool, Options options)
+    : pool_(pool), options_(std::move(options)) {}
+
+SceneCache::~SceneCache() {
+    std::list<Loader> loaders;  // joined here, without the lock that they need to finish
+    const std::lock_guard lock(mutex_);
+    loaders.swap(loaders_);
+}
+
+std::shared_ptr<const Scene> SceneCache::get(const SceneFile& file, const CancelToken& cancel) {
+    const std::string key = content_sha256(file);
+    std::unique_lock lock(mutex_);
+    std::shared_ptr<Entry>& known = entries_[key];
+    if (!known) {
+        known = std::make_shared<Entry>();
+        loaders_.push_back(
+            {known, std::jthread([this, file, key, entry = known] { load(file, key, entry); })});
+    }
+    const std::shared_ptr<Entry> entry = known;
+    while (entry->loading) {
+        cancel.throw_if_cancelled();
+        changed_.wait_for(lock, kCancelInterval);
+    }
+    join_loaders();
+    if (entry->failure) std::rethrow_exception(entry->failure);
+    entry->last_use = ++uses_;
+    return entry->scene;
+}
+
+void SceneCache::load(const SceneFile& file, const std::string& key,
+                      const std::shared_ptr<Entry>& entry) {
+    std::shared_ptr<const Scene> scene;
+    std::exception_ptr failure;
+    try {
+        pool_.run([&] {
+            scene = std::make_shared<const Scene>(load_scene(file, options_.tree_cache_dir));
+        });
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    const std::lock_guard lock(mutex_);
+    entry->scene = std::move(scene);
+    entry->failure = failure;
+    entry->last_use = ++uses_;
+    entry->loading = false;
+    if (failure) entries_.erase(key);  // the next one who asks tries again
+    evict();
+    changed_.notify_all();
+}
+
+void SceneCache::evict() {
+    while (loaded_bytes() > options_.memory_budget_bytes) {
+        auto oldest = entries_.end();
+        for (auto at = entries_.begin(); at != entries_.end(); ++at) {
+            const Entry& entry = *at->second;
+            const bool idle = entry.scene && entry.scene.use_count() == 1;  // no job holds it
+            if (idle && (oldest == entries_.end() ||
+                         entry.last_use < oldest->second->last_use)) {
+                oldest = at;
+            }
+        }
+        if (oldest == entries_.end()) return;  // all in use
+        entries_.erase(oldest);
+    }
+}
+
+void SceneCache::join_loaders() {
+    loaders_.remove_if([](const Loader& loader) { return !loader.entry->loading; });
+}
+
+uint64_t SceneCache::memory_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return loaded_bytes();
+}
+
+uint64_t SceneCache::loaded_bytes() const {
+    uint64_t bytes = 0;
+    for (const auto& [key, entry] : entries_) {
+        if (entry->scene) bytes += entry->scene->tree.memory_bytes();
+    }
+    return bytes;
+}
+
+}  // namespace probebake

@@ -45,8 +45,8 @@ std::vector<double> draw_probabilities(const AuditSpec& spec) {
     double sum = 0.0;
     for (size_t i = 0; i < probability.size(); ++i) {
         const CubePixel pixel = pixel_at(i, n);
-        probability[i] = pixel_weight(spec.weighting, pixel, n) *
-                         contrast(spec.as_written, pixel) / spec.aux[i].samples;
+        probability[i] = pixel_weight(spec.weighting, pixel, n) * contrast(spec.as_written, pixel) /
+                         spec.aux[i].samples;
         sum += probability[i];
     }
     const double uniform = 1.0 / static_cast<double>(probability.size());
@@ -69,16 +69,16 @@ class AuditRun {
 
   private:
     RandomStream choice_stream(uint64_t part) const {
-        return RandomStream(random_key(
-            {spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditChoice), part}));
+        return RandomStream(
+            random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditChoice), part}));
     }
-    TruthPair truth_of(const CubePixel& stored, uint64_t part, int side, CostStats& stats) const {
+    TruthPair truth_of(const CubePixel& stored, uint64_t part, int grid, CostStats& stats) const {
         const CubePixel owner = owner_of(stored, n_);
         const View view = cube_face_view(owner.face, n_, spec_.origin);
         const uint64_t key =
             random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditTruth), part});
         return truth_pair(spec_.scene, view, owner.x, owner.y,
-                          {.against = spec_.against, .key = key, .side = side}, stats);
+                          {.against = spec_.against, .grid = grid, .key = key}, stats);
     }
 
     /// Calls measure(i, stats) for i < count in parallel; adds up the costs in order.
@@ -106,15 +106,15 @@ class AuditRun {
         for (int i = 0; i < spec_.pixels; ++i) {
             const auto at =
                 std::upper_bound(cumulative.begin(), cumulative.end(), random.uniform() * sum);
-            drawn.push_back(std::min(static_cast<size_t>(at - cumulative.begin()),
-                                     cumulative.size() - 1));
+            drawn.push_back(
+                std::min(static_cast<size_t>(at - cumulative.begin()), cumulative.size() - 1));
         }
         std::vector<double> errors(drawn.size());
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
-            const double error = squared_error(spec_.as_written.at(pixel),
-                                               truth_of(pixel, i, kTruthGrid, stats),
-                                               spec_.exposure);
+            const double error =
+                squared_error(spec_.as_written.at(pixel),
+                              truth_of(pixel, i, spec_.truth_grid, stats), spec_.exposure);
             const double inverse =
                 1.0 / (static_cast<double>(probability.size()) * probability[drawn[i]]);
             errors[i] = pixel_weight(spec_.weighting, pixel, n_) * error * inverse;
@@ -151,8 +151,8 @@ class AuditRun {
         for (int i = 0; i < kSsimWindow_px * kSsimWindow_px; ++i) {
             const CubePixel pixel{corner.face, corner.x + i % kSsimWindow_px,
                                   corner.y + i / kSsimWindow_px};
-            const TruthPair truth = truth_of(
-                pixel, random_key({part, static_cast<uint64_t>(i)}), kWindowTruthGrid, stats);
+            const TruthPair truth = truth_of(pixel, random_key({part, static_cast<uint64_t>(i)}),
+                                             kWindowTruthGrid, stats);
             const auto at = static_cast<size_t>(i);
             a[at] = ssim_luminance(spec_.as_written.at(pixel), spec_.exposure);
             r1[at] = ssim_luminance(truth.r1, spec_.exposure);

@@ -2,7 +2,7 @@
 //
 // Stored pixels are drawn with replacement with probabilities p: half uniform, half in proportion
 // to a predicted squared error (contrast with the neighbours, divided by the rays kept). Each is
-// compared, as the written file holds it, with two independent means of 4 × 4 stratified leaf rays;
+// compared, as the written file holds it, with two independent means of stratified leaf rays;
 // e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
 // (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The uniform half
 // keeps 1/(N p) ≤ 2, wherever the prediction is wrong. SSIM is audited on whole windows, drawn
@@ -32,6 +32,7 @@ struct AuditSpec {
     std::span<const PixelAux> aux;
     double exposure = 1.0;
     Against against = Against::kTruth;
+    int truth_grid = kTruthGrids.front();
     Weighting weighting = Weighting::kUniform;
     int pixels = 0;
     int windows = 0;   // of SSIM

@@ -74,8 +74,7 @@ class Unit {
     /// The first finer candidate that promises to make up for what the look found missing.
     size_t next_finer(size_t next, const MeasuredError& found) const {
         if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
-        const double wanted =
-            render_mse_ * largest_mse(job_.quality.target) / found.mse.value;
+        const double wanted = render_mse_ * largest_mse(job_.quality.target) / found.mse.value;
         while (next + 1 < pilot_.finer.size() && pilot_.finer[next].error.mse.value > wanted) {
             ++next;
         }
@@ -97,6 +96,7 @@ class Unit {
                              .aux = render_.aux,
                              .exposure = pilot_.exposure,
                              .against = job_.quality.against,
+                             .truth_grid = pilot_.truth_grid,
                              .weighting = job_.quality.weighting,
                              .pixels = pixels,
                              .windows = ssim ? std::max(kMinAuditWindows, pixels / 16) : 0,
@@ -191,9 +191,9 @@ std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
         limit = static_cast<uint64_t>(job.quality.target.value);
     }
     if (job.budget.rays) {
-        const auto share = static_cast<uint64_t>(
-            static_cast<unsigned __int128>(*job.budget.rays) *
-            owned_pixel_count(probe.face_size_px) / pixel_count(job));
+        const auto share =
+            static_cast<uint64_t>(static_cast<unsigned __int128>(*job.budget.rays) *
+                                  owned_pixel_count(probe.face_size_px) / pixel_count(job));
         limit = std::min(limit.value_or(share), share);
     }
     return limit;

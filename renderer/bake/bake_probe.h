@@ -29,14 +29,14 @@ struct ProbeResult {
     RenderSettings settings;  // of the render that is in the files
     std::array<CostStats, kFaceCount> faces;
     std::array<uint64_t, kFaceCount> pixels{};
-    bool limited = false;        // by a ray limit, or out of time
-    int looks = 1;               // renders, the last of them in the files
-    CostStats earlier_renders;   // of the looks before
-    Audit certificate;           // empty without audit
-    CostStats decision_cost;     // of the audits that decided
-    bool is_float = false;       // a value did not fit into HALF
+    bool limited = false;       // by a ray limit, or out of time
+    int looks = 1;              // renders, the last of them in the files
+    CostStats earlier_renders;  // of the looks before
+    Audit certificate;          // empty without audit
+    CostStats decision_cost;    // of the audits that decided
+    bool is_float = false;      // a value did not fit into HALF
     bool inside_voxel = false;
-    double far_m = 0.0;          // effective
+    double far_m = 0.0;  // effective
     double wall_seconds = 0.0;
     std::vector<ProductFile> files;
 
@@ -54,7 +54,8 @@ struct UnitParams {
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel);
 
-/// Rays that a unit may cast, from the target and the budget; none: as many as its settings ask for.
+/// Rays that a unit may cast, from the target and the budget; none: as many as its settings ask
+/// for.
 std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe);
 
 /// Audited pixels of a probe.

@@ -61,12 +61,12 @@ class JobReader {
 
     /// face_size_px, near_m and far_m, of a probe, a grid or the whole job.
     void read_view(ObjectReader& reader, ProbeSpec& probe) {
-        probe.face_size_px = static_cast<int>(
-            reader.integer("face_size_px", limits_.min_face_size_px, limits_.max_face_size_px,
-                           probe.face_size_px));
+        probe.face_size_px =
+            static_cast<int>(reader.integer("face_size_px", limits_.min_face_size_px,
+                                            limits_.max_face_size_px, probe.face_size_px));
         probe.near_m = reader.number("near_m", {0.0, limits_.max_position_m}, probe.near_m);
-        if (const auto far_m = reader.optional_number(
-                "far_m", {.min = 0.0, .max = 1e9, .more_than_min = true})) {
+        if (const auto far_m =
+                reader.optional_number("far_m", {.min = 0.0, .max = 1e9, .more_than_min = true})) {
             probe.far_m = far_m;
         }
         if (probe.far_m && !(*probe.far_m > probe.near_m)) {
@@ -110,8 +110,7 @@ class JobReader {
         reader.refuse_unknown();
         IVec3 count(0);
         for (int axis = 0; axis < 3; ++axis) {
-            const std::string pointer =
-                reader.pointer_to("counts") + "/" + std::to_string(axis);
+            const std::string pointer = reader.pointer_to("counts") + "/" + std::to_string(axis);
             if (!(counts[axis] >= 1.0) || counts[axis] != std::floor(counts[axis])) {
                 issues_.unacceptable(pointer, "expected an integer of at least 1");
                 return;
@@ -127,9 +126,9 @@ class JobReader {
         // In floating point on purpose: it cannot overflow, and is exact where it matters.
         if (counts.x * counts.y * counts.z >
             static_cast<double>(limits_.max_probes - spec_.probes.size())) {
-            issues_.unacceptable(reader.pointer_to("counts"),
-                                 "the job would have more than " +
-                                     std::to_string(limits_.max_probes) + " probes");
+            issues_.unacceptable(
+                reader.pointer_to("counts"),
+                "the job would have more than " + std::to_string(limits_.max_probes) + " probes");
             return;
         }
         for (int k = 0; k < count.z; ++k) {
@@ -186,12 +185,11 @@ class JobReader {
         if (renderer + 1 < kRendererNames.size()) {
             spec_.quality.renderer = static_cast<RendererKind>(renderer);
         }
-        spec_.quality.against =
-            static_cast<Against>(reader.choice("against", kAgainstNames, 0));
+        spec_.quality.against = static_cast<Against>(reader.choice("against", kAgainstNames, 0));
         spec_.quality.weighting =
             static_cast<Weighting>(reader.choice("weighting", kWeightingNames, 0));
-        spec_.quality.exposure = reader.optional_number(
-            "exposure", {.min = 0.0, .max = 1e9, .more_than_min = true});
+        spec_.quality.exposure =
+            reader.optional_number("exposure", {.min = 0.0, .max = 1e9, .more_than_min = true});
         read_settings(reader);
         read_evidence(reader);
         reader.refuse_unknown();
@@ -236,6 +234,7 @@ class JobReader {
             issues_.unacceptable(reader.pointer_to("leaf_grid"), "expected 4, 8 or 16");
         }
         settings.leaf_grid = static_cast<int>(grid);
+        settings.spread = reader.optional_number("spread", {0.0, 1e9}).value_or(settings.spread);
         if (reader.has("fixed_level")) {
             settings.fixed_level =
                 static_cast<int>(reader.integer("fixed_level", 0, kMaxDepth - 1, 0));
@@ -271,8 +270,8 @@ class JobReader {
         if (reader.has("rays")) {
             spec_.budget.rays = reader.unsigned_integer("rays", limits_.max_rays, {});
         }
-        spec_.budget.seconds = reader.optional_number(
-            "seconds", {.min = 0.0, .max = 1e7, .more_than_min = true});
+        spec_.budget.seconds =
+            reader.optional_number("seconds", {.min = 0.0, .max = 1e7, .more_than_min = true});
         reader.refuse_unknown();
     }
 
@@ -288,9 +287,9 @@ class JobReader {
         const QualityTarget& target = spec_.quality.target;
         if (target.metric == QualityTarget::Metric::kRays &&
             target.value < static_cast<double>(largest)) {
-            issues_.unacceptable("/quality/targets/rays",
-                                 "expected at least one ray per pixel, " + std::to_string(largest) +
-                                     " for the largest probe");
+            issues_.unacceptable("/quality/targets/rays", "expected at least one ray per pixel, " +
+                                                              std::to_string(largest) +
+                                                              " for the largest probe");
         }
         if (target.metric == QualityTarget::Metric::kSsim && smallest_face_px() < kSsimWindow_px) {
             issues_.unacceptable("/quality/targets/ssim",

@@ -1,5 +1,7 @@
 #include "bake/job_spec.h"
 
+#include <cmath>
+
 #include "bake/job_names.h"
 #include "image/cubemap.h"
 
@@ -48,6 +50,9 @@ Json write_settings(const RenderSettings& settings) {
     }
     if (settings.kind == RendererKind::kErrorAware || settings.kind == RendererKind::kReference) {
         json["leaf_grid"] = settings.leaf_grid;
+    }
+    if (settings.kind == RendererKind::kErrorAware && std::isfinite(settings.spread)) {
+        json["spread"] = settings.spread;
     }
     if (settings.kind == RendererKind::kAdaptive) {
         json["normaliser"] = settings.normaliser;

@@ -63,8 +63,8 @@ struct QualitySpec {
 };
 
 struct BudgetSpec {
-    std::optional<uint64_t> rays;     // rendered rays of the whole job
-    std::optional<double> seconds;    // wall clock; makes the result depend on the machine
+    std::optional<uint64_t> rays;   // rendered rays of the whole job
+    std::optional<double> seconds;  // wall clock; makes the result depend on the machine
 };
 
 struct JobSpec {
@@ -88,7 +88,8 @@ struct JobLimits {
     uint64_t max_rays = uint64_t{1} << 50;
 };
 
-/// Throws SpecError. Knows nothing of scenes: whether the named one exists is the caller's question.
+/// Throws SpecError. Knows nothing of scenes: whether the named one exists is the caller's
+/// question.
 JobSpec read_job(const Json& request, const JobLimits& limits = {});
 Json write_job(const JobSpec& spec);
 

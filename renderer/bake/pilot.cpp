@@ -1,5 +1,7 @@
 #include "bake/pilot.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,9 +9,10 @@
 namespace probebake {
 namespace {
 
-/// Points of the curve on either side of the chosen settings.
+/// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
+/// at its end, where a pixel may cost hundreds of rays.
 constexpr size_t kCurveBefore = 4;
-constexpr size_t kCurveBeyond = 2;
+constexpr size_t kCurveBeyond[] = {1, 3};
 
 class Search {
   public:
@@ -51,11 +54,12 @@ class Search {
         std::vector<Candidate> best;
         for (const int leaf_grid : kLeafGrids) {
             pixels_.extend(kind, leaf_grid);
-            std::vector<Candidate> candidates;
-            for (const RenderSettings& settings :
-                 candidate_settings(pixels_.sample(), plan_.renderers, leaf_grid)) {
-                candidates.push_back(evaluate(pixels_.sample(), settings));
-            }
+            const std::vector<RenderSettings> settings =
+                candidate_settings(pixels_.sample(), plan_.renderers, leaf_grid);
+            std::vector<Candidate> candidates(settings.size());
+            tbb::parallel_for(size_t{0}, settings.size(), [&](size_t i) {
+                candidates[i] = evaluate(pixels_.sample(), settings[i]);
+            });
             pilot.candidates = candidates.size();
             best = frontier(std::move(candidates), job_.quality.target);
             const bool enough = ray_target() ? last_affordable(best) + 1 < best.size()
@@ -87,13 +91,13 @@ class Search {
     bool affordable(const Candidate& candidate) const {
         const auto pixels = static_cast<double>(pixel_count(job_));
         if (ray_target()) {
-            const double rays_per_pixel =
-                job_.quality.target.value * static_cast<double>(job_.probes.size()) *
-                static_cast<double>(job_.states.size()) / pixels;
+            const double rays_per_pixel = job_.quality.target.value *
+                                          static_cast<double>(job_.probes.size()) *
+                                          static_cast<double>(job_.states.size()) / pixels;
             if (candidate.rays_per_pixel > rays_per_pixel) return false;
         }
-        if (job_.budget.rays && candidate.rays_per_pixel * pixels >
-                                    static_cast<double>(*job_.budget.rays)) {
+        if (job_.budget.rays &&
+            candidate.rays_per_pixel * pixels > static_cast<double>(*job_.budget.rays)) {
             return false;
         }
         if (time_) {
@@ -124,9 +128,8 @@ std::vector<RenderSettings> curve_settings(const std::vector<Candidate>& frontie
     };
     for (size_t i = 0; i < kCurveBefore; ++i) add(frontier[i * chosen / kCurveBefore].settings);
     add(frontier[chosen].settings);
-    const size_t beyond = frontier.size() - 1 - chosen;
-    for (size_t i = 1; i <= kCurveBeyond; ++i) {
-        add(frontier[chosen + i * beyond / kCurveBeyond].settings);
+    for (const size_t beyond : kCurveBeyond) {
+        add(frontier[std::min(frontier.size() - 1, chosen + beyond)].settings);
     }
     return settings;
 }
@@ -142,7 +145,8 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     const auto start = std::chrono::steady_clock::now();
     PilotSample pixels(scene, job, state, cancel);
-    Pilot pilot{.state = state, .exposure = pixels.sample().exposure};
+    Pilot pilot{
+        .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
     std::vector<RenderSettings> measured;
     if (plan.needs_pilot) {
         const auto [frontier, chosen] = Search(job, plan, pixels, time).run(pilot);

@@ -1,7 +1,8 @@
 // The pilot: a sample of a job's pixels, on which its settings are tuned before anything is baked.
 //
 //   choose pixels of up to 64 probes -> their truth -> exposure
-//   -> cast what the candidates could cast -> the cheapest settings whose error bound meets the target
+//   -> cast what the candidates could cast -> the cheapest settings whose error bound meets the
+//   target
 //   -> render the same pixels with a handful of settings: the curve of error against cost
 //
 // Deterministic: it decides on counted steps. Its pixels never certify anything (audit.h draws
@@ -25,6 +26,7 @@ enum class Expectation {
 struct Pilot {
     LightingState state = LightingState::kAlbedo;
     double exposure = 1.0;
+    int truth_grid = kTruthGrids.front();  // that audits use, too
     RenderSettings settings;
     double settings_mse = 0.0;  // their mean squared error on the sample
     Expectation expectation = Expectation::kTargetMet;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 
 #include "image/exposure.h"
@@ -20,6 +21,9 @@ constexpr uint64_t kMaxPixels = 4096;
 constexpr uint64_t kTexelsPerPixel = 50;
 constexpr uint64_t kMinWindows = 12;
 constexpr uint64_t kMaxWindows = 48;
+/// Largest standard error that the truth's noise may give the mean squared error, as a share of
+/// what the target allows.
+constexpr double kTruthNoiseShare = 0.1;
 
 }  // namespace
 
@@ -27,8 +31,16 @@ PilotSample::PilotSample(const Scene& scene, const JobSpec& job, LightingState s
                          const CancelToken& cancel)
     : scene_(scene), job_(job), state_(state), cancel_(cancel) {
     choose_places();
-    cast_truth();
-    set_exposure();
+    const QualityTarget& target = job.quality.target;
+    const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
+                          target.metric == QualityTarget::Metric::kRmse;
+    for (const int grid : kTruthGrids) {
+        truth_grid_ = grid;
+        cast_truth();
+        set_exposure();
+        if (!of_error || job.quality.against == Against::kReference) break;
+        if (truth_noise() <= kTruthNoiseShare * largest_mse(target)) break;
+    }
 }
 
 void PilotSample::choose_places() {
@@ -94,13 +106,25 @@ CostStats PilotSample::for_each_pixel(Cast cast) const {
 void PilotSample::cast_truth() {
     search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
         // The index tells apart two draws of the same pixel.
-        const uint64_t key = random_key({job_.seed,
-                                         static_cast<uint64_t>(StreamPurpose::kPilotTruth),
-                                         static_cast<uint64_t>(state_), at.index});
+        const uint64_t key = random_key(
+            {job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotTruth),
+             static_cast<uint64_t>(state_), static_cast<uint64_t>(truth_grid_), at.index});
         sample_.pixels[at.index].truth =
             truth_pair(at.scene, at.view, at.owner.x, at.owner.y,
-                       {.against = job_.quality.against, .key = key}, stats);
+                       {.against = job_.quality.against, .grid = truth_grid_, .key = key}, stats);
     });
+}
+
+/// Standard error of the mean of (a − r1)(a − r2) for a perfect a: with s² the variance of r1, a
+/// pixel contributes s⁴, and (r1 − r2)² is 2 s² on average.
+double PilotSample::truth_noise() const {
+    double sum = 0.0;
+    for (const SearchPixel& pixel : sample_.pixels) {
+        const Vec3 difference = (Vec3(pixel.truth.r1) - Vec3(pixel.truth.r2)) / sample_.exposure;
+        const double variance = pixel.weight * glm::dot(difference, difference) / 6.0;
+        sum += variance * variance;
+    }
+    return std::sqrt(sum) / static_cast<double>(sample_.pixels.size());
 }
 
 void PilotSample::set_exposure() {
@@ -127,9 +151,8 @@ void PilotSample::extend(RendererKind kind, int leaf_grid) {
         if (kind != RendererKind::kAdaptive) return;
         pixel.variation = variation_at(at, stats);
         CostStats leaves;
-        pixel.two_by_two.color = uniform_pixel(at.scene, at.view, x, y, 2, leaves).color;
-        pixel.two_by_two.rays = static_cast<uint32_t>(leaves.rays);
-        pixel.two_by_two.steps = static_cast<uint32_t>(leaves.steps);
+        const Vec3 color = uniform_pixel(at.scene, at.view, x, y, 2, leaves).color;
+        pixel.two_by_two = {color, leaves.rays, leaves.steps};
         stats += leaves;
     });
 }
@@ -165,10 +188,10 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
                     return lod_pixel(at.scene, at.view, x, y, settings, stats);
                 case RendererKind::kErrorAware:
                     return error_aware_pixel(at.scene, at.view, x, y, settings, stats);
-                case RendererKind::kAdaptive: break;
+                case RendererKind::kAdaptive:
+                    break;
             }
-            const int grid =
-                adaptive_grid(sample_.pixels[at.index].variation, settings.normaliser);
+            const int grid = adaptive_grid(sample_.pixels[at.index].variation, settings.normaliser);
             PixelSums sums = lod_pixel(at.scene, at.view, x, y, settings, stats);
             return grid == 0 ? sums : uniform_pixel(at.scene, at.view, x, y, grid, stats);
         };

@@ -35,6 +35,9 @@ class PilotSample {
     CurvePoint render(const RenderSettings& settings);
 
     const SearchSample& sample() const { return sample_; }
+    /// Rays per side of r1 and of r2: the fewest of kTruthGrids whose noise leaves the error that
+    /// the target allows in sight.
+    int truth_grid() const { return truth_grid_; }
     /// Of truth and candidates.
     const CostStats& search_cost() const { return search_cost_; }
 
@@ -55,6 +58,7 @@ class PilotSample {
     void add_square(size_t probe, RandomStream& random, int side);
     void cast_truth();
     void set_exposure();
+    double truth_noise() const;
     double variation_at(const Target& target, CostStats& stats) const;
     template <class Cast>
     CostStats for_each_pixel(Cast cast) const;
@@ -65,6 +69,7 @@ class PilotSample {
     const CancelToken& cancel_;
     std::vector<Place> places_;
     SearchSample sample_;
+    int truth_grid_ = kTruthGrids.front();
     CostStats search_cost_;
 };
 

@@ -12,8 +12,8 @@ namespace {
 std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan& plan) {
     std::vector<LeftOut> out;
     const auto leave = [&](const char* what, const char* why) { out.push_back({what, why}); };
-    const bool emission_asked = std::count(job.states.begin(), job.states.end(),
-                                           LightingState::kEmission) > 0;
+    const bool emission_asked =
+        std::count(job.states.begin(), job.states.end(), LightingState::kEmission) > 0;
     if (!scene.emits()) {
         leave("emission colours", "no voxel of the scene emits");
     } else if (!emission_asked) {
@@ -38,8 +38,8 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     } else {
         plan.renderers = {RendererKind::kErrorAware, RendererKind::kReference};
     }
-    plan.needs_error_table = std::count(plan.renderers.begin(), plan.renderers.end(),
-                                        RendererKind::kErrorAware) > 0;
+    plan.needs_error_table =
+        std::count(plan.renderers.begin(), plan.renderers.end(), RendererKind::kErrorAware) > 0;
     plan.needs_pilot = !job.quality.settings;
     plan.needs_audit = job.quality.evidence.audit;
     plan.left_out = unneeded(scene, job, plan);
@@ -70,16 +70,16 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
 }
 
 Json write_plan(const Plan& plan) {
-    Json json = {{"work_units", plan.work_units},
-                 {"texels", plan.texels},
-                 {"quality_search", plan.needs_pilot},
-                 {"audit", plan.needs_audit},
-                 {"memory",
-                  {{"scene_bytes", plan.scene_bytes},
-                   {"bytes_per_work_unit", plan.bytes_per_unit}}},
-                 {"output_bytes_at_most", plan.output_bytes},
-                 {"left_out", Json::array()},
-                 {"warnings", plan.warnings}};
+    Json json = {
+        {"work_units", plan.work_units},
+        {"texels", plan.texels},
+        {"quality_search", plan.needs_pilot},
+        {"audit", plan.needs_audit},
+        {"memory",
+         {{"scene_bytes", plan.scene_bytes}, {"bytes_per_work_unit", plan.bytes_per_unit}}},
+        {"output_bytes_at_most", plan.output_bytes},
+        {"left_out", Json::array()},
+        {"warnings", plan.warnings}};
     for (const RendererKind kind : plan.renderers) json["renderers"].push_back(name_of(kind));
     for (const LeftOut& left : plan.left_out) {
         json["left_out"].push_back({{"what", left.what}, {"why", left.why}});

@@ -26,11 +26,11 @@ struct Plan {
     bool needs_audit = false;
     std::vector<LeftOut> left_out;
     std::vector<std::string> warnings;
-    uint64_t work_units = 0;        // probes × states
+    uint64_t work_units = 0;  // probes × states
     uint64_t texels = 0;
-    uint64_t scene_bytes = 0;       // tree and colours, shared by all jobs on the scene
-    uint64_t bytes_per_unit = 0;    // largest work unit while it is rendered and encoded
-    uint64_t output_bytes = 0;      // at most: uncompressed products
+    uint64_t scene_bytes = 0;     // tree and colours, shared by all jobs on the scene
+    uint64_t bytes_per_unit = 0;  // largest work unit while it is rendered and encoded
+    uint64_t output_bytes = 0;    // at most: uncompressed products
 };
 
 /// Throws SpecError (unacceptable) for a job that this scene cannot serve.

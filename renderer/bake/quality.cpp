@@ -20,8 +20,8 @@ TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
         return {reference, reference};
     }
     RandomStream random(params.key);
-    const Rgb r1 = stratified_pixel(scene, view, x, y, params.side, random, stats);
-    const Rgb r2 = stratified_pixel(scene, view, x, y, params.side, random, stats);
+    const Rgb r1 = stratified_pixel(scene, view, x, y, params.grid, random, stats);
+    const Rgb r2 = stratified_pixel(scene, view, x, y, params.grid, random, stats);
     return {r1, r2};
 }
 
@@ -48,27 +48,34 @@ double largest_mse(const QualityTarget& target) {
 
 bool estimate_meets(const QualityTarget& target, const MeasuredError& error) {
     switch (target.metric) {
-        case QualityTarget::Metric::kRays: return true;
-        case QualityTarget::Metric::kSsim: return error.ssim && error.ssim->value >= target.value;
-        default: return error.mse.value <= largest_mse(target);
+        case QualityTarget::Metric::kRays:
+            return true;
+        case QualityTarget::Metric::kSsim:
+            return error.ssim && error.ssim->value >= target.value;
+        default:
+            return error.mse.value <= largest_mse(target);
     }
 }
 
 bool bound_meets(const QualityTarget& target, const MeasuredError& error, double confidence) {
     switch (target.metric) {
-        case QualityTarget::Metric::kRays: return true;
+        case QualityTarget::Metric::kRays:
+            return true;
         case QualityTarget::Metric::kSsim:
             return error.ssim && error.ssim->interval(confidence).low >= target.value;
-        default: return error.mse.interval(confidence).high <= largest_mse(target);
+        default:
+            return error.mse.interval(confidence).high <= largest_mse(target);
     }
 }
 
 bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence) {
     switch (target.metric) {
-        case QualityTarget::Metric::kRays: return false;
+        case QualityTarget::Metric::kRays:
+            return false;
         case QualityTarget::Metric::kSsim:
             return error.ssim && error.ssim->interval(confidence).high < target.value;
-        default: return error.mse.interval(confidence).low > largest_mse(target);
+        default:
+            return error.mse.interval(confidence).low > largest_mse(target);
     }
 }
 

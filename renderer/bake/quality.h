@@ -5,6 +5,7 @@
 // of the squared error of a value a (docs/conventions.md, "Audited error").
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "bake/job_spec.h"
@@ -19,15 +20,16 @@ struct TruthPair {
     Rgb r2{0.0f};
 };
 
-/// Leaf rays per side of one estimate of the truth.
-inline constexpr int kTruthGrid = 4;
+/// Leaf rays per side of one estimate of the truth: as few as the target lets pass, because the
+/// noise of r1 and r2 hides errors that are much smaller (PilotSample).
+inline constexpr std::array<int, 3> kTruthGrids = {4, 8, 16};
 
-/// Truth (side × side jittered rays each) or the thesis's 4 × 4 reference of pixel (x, y). `key`
+/// Truth (grid × grid jittered rays each) or the thesis's 4 × 4 reference of pixel (x, y). `key`
 /// names the random stream. Rays are counted in `stats`.
 struct TruthParams {
     Against against = Against::kTruth;
+    int grid = kTruthGrids.front();
     uint64_t key = 0;
-    int side = kTruthGrid;
 };
 TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
                      const TruthParams& params, CostStats& stats);

@@ -11,7 +11,8 @@ namespace probebake {
 namespace {
 
 constexpr size_t kWindowPixels = size_t{kSsimWindow_px} * kSsimWindow_px;
-constexpr int kThresholds = 24;
+constexpr int kThresholds = 12;
+constexpr int kSpreads = 12;
 
 /// `count` quantiles of the positive values, largest first.
 std::vector<double> quantiles(std::vector<double> values, int count) {
@@ -61,21 +62,24 @@ Estimate mean_squared_error(const SearchSample& sample, const std::vector<Rgb>& 
 
 }  // namespace
 
-RefinementRecord::Rays replay(const SearchPixel& pixel, const RenderSettings& settings) {
+ReplayedPixel replay(const SearchPixel& pixel, const RenderSettings& settings) {
+    const RefinementRecord::Rays& first = pixel.record.first;
     switch (settings.kind) {
-        case RendererKind::kReference: return replay_reference(pixel.record, settings.leaf_grid);
-        case RendererKind::kLod: return pixel.record.first;
+        case RendererKind::kReference:
+            return replay_reference(pixel.record, settings.leaf_grid);
+        case RendererKind::kLod:
+            return {first.color, first.rays, first.steps};
         case RendererKind::kErrorAware:
-            return replay(pixel.record, settings.threshold, settings.leaf_grid);
-        case RendererKind::kAdaptive: break;
+            return replay_error_aware(pixel.record, settings);
+        case RendererKind::kAdaptive:
+            break;
     }
     const int grid = adaptive_grid(pixel.variation, settings.normaliser);
-    if (grid == 0) return pixel.record.first;
-    RefinementRecord::Rays total =
-        grid == 2 ? pixel.two_by_two : replay_reference(pixel.record, 4);
-    total.rays += pixel.record.first.rays;
-    total.steps += pixel.record.first.steps;
-    return total;
+    if (grid == 0) return {first.color, first.rays, first.steps};
+    ReplayedPixel refined = grid == 2 ? pixel.two_by_two : replay_reference(pixel.record, 4);
+    refined.rays += first.rays;
+    refined.steps += first.steps;
+    return refined;
 }
 
 MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors) {
@@ -89,7 +93,7 @@ Candidate evaluate(const SearchSample& sample, const RenderSettings& settings) {
     uint64_t rays = 0;
     uint64_t steps = 0;
     for (const SearchPixel& pixel : sample.pixels) {
-        const RefinementRecord::Rays replayed = replay(pixel, settings);
+        const ReplayedPixel replayed = replay(pixel, settings);
         colors.emplace_back(replayed.color);
         rays += replayed.rays;
         steps += replayed.steps;
@@ -99,50 +103,81 @@ Candidate evaluate(const SearchSample& sample, const RenderSettings& settings) {
             measure(sample, colors)};
 }
 
+namespace {
+
+std::vector<RenderSettings> reference_settings(int max_leaf_grid) {
+    std::vector<RenderSettings> all;
+    for (const int grid : kLeafGrids) {
+        if (grid <= max_leaf_grid) {
+            all.push_back({.kind = RendererKind::kReference, .leaf_grid = grid});
+        }
+    }
+    return all;
+}
+
+std::vector<RenderSettings> adaptive_settings(const SearchSample& sample) {
+    std::vector<double> scores;
+    for (const SearchPixel& pixel : sample.pixels) {
+        scores.push_back(pixel.variation / kAdaptiveTwoByTwo);
+    }
+    std::vector<RenderSettings> all;
+    for (const double score : quantiles(scores, kThresholds)) {
+        // Just above the score: the pixel that set it is not refined.
+        all.push_back({.kind = RendererKind::kAdaptive,
+                       .normaliser = std::nextafter(score, std::numeric_limits<double>::max())});
+    }
+    all.push_back(
+        {.kind = RendererKind::kAdaptive, .normaliser = std::numeric_limits<double>::min()});
+    return all;
+}
+
+std::vector<RenderSettings> error_aware_settings(const SearchSample& sample, int max_leaf_grid) {
+    std::vector<double> errors;
+    std::vector<double> spreads;
+    for (const SearchPixel& pixel : sample.pixels) {
+        errors.push_back(pixel.record.first_error);
+        for (const auto& quadrant : pixel.record.quadrants) errors.push_back(quadrant.error);
+        spreads.push_back(leaf_spread(pixel.record));
+    }
+    std::vector<double> thresholds = quantiles(errors, kThresholds);
+    thresholds.push_back(0.0);
+    thresholds.push_back(-1.0);
+    std::vector<RenderSettings> all;
+    for (const double threshold : thresholds) all.push_back({.threshold = threshold});
+    for (const int grid : kLeafGrids) {
+        if (grid == 4 || grid > max_leaf_grid) continue;
+        for (const double spread : quantiles(spreads, kSpreads)) {
+            for (const double threshold : thresholds) {
+                all.push_back({.threshold = threshold, .leaf_grid = grid, .spread = spread});
+            }
+        }
+    }
+    return all;
+}
+
+}  // namespace
+
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                                                const std::vector<RendererKind>& renderers,
                                                int max_leaf_grid) {
     std::vector<RenderSettings> all;
+    const auto add = [&](const std::vector<RenderSettings>& some) {
+        all.insert(all.end(), some.begin(), some.end());
+    };
     for (const RendererKind kind : renderers) {
-        std::vector<double> scores;
-        for (const SearchPixel& pixel : sample.pixels) {
-            if (kind == RendererKind::kAdaptive) {
-                scores.push_back(pixel.variation / kAdaptiveTwoByTwo);
-                continue;
-            }
-            scores.push_back(pixel.record.first_error);
-            for (const auto& quadrant : pixel.record.quadrants) scores.push_back(quadrant.error);
-        }
-        RenderSettings settings{.kind = kind};
         switch (kind) {
-            case RendererKind::kLod: all.push_back(settings); break;
+            case RendererKind::kLod:
+                add({{.kind = kind}});
+                break;
             case RendererKind::kReference:
-                for (const int grid : kLeafGrids) {
-                    settings.leaf_grid = grid;
-                    if (grid <= max_leaf_grid) all.push_back(settings);
-                }
+                add(reference_settings(max_leaf_grid));
                 break;
             case RendererKind::kAdaptive:
-                for (const double normaliser : quantiles(scores, kThresholds)) {
-                    // Just above the score: the pixel that set it is not refined.
-                    settings.normaliser = std::nextafter(normaliser, 1e300);
-                    all.push_back(settings);
-                }
-                settings.normaliser = std::numeric_limits<double>::min();
-                all.push_back(settings);
+                add(adaptive_settings(sample));
                 break;
-            case RendererKind::kErrorAware: {
-                std::vector<double> thresholds = quantiles(scores, kThresholds);
-                thresholds.push_back(0.0);
-                thresholds.push_back(-1.0);
-                for (const int grid : kLeafGrids) {
-                    settings.leaf_grid = grid;
-                    for (const double threshold : thresholds) {
-                        settings.threshold = threshold;
-                        if (grid <= max_leaf_grid) all.push_back(settings);
-                    }
-                }
-            }
+            case RendererKind::kErrorAware:
+                add(error_aware_settings(sample, max_leaf_grid));
+                break;
         }
     }
     return all;

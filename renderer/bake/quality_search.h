@@ -20,7 +20,7 @@ struct SearchPixel {
     RefinementRecord record;
     // For the adaptive renderer: its 3×3 variation and its 2×2 leaf rays.
     double variation = 0.0;
-    RefinementRecord::Rays two_by_two;
+    ReplayedPixel two_by_two;
 };
 
 struct SearchSample {
@@ -31,7 +31,7 @@ struct SearchSample {
 };
 
 /// Colour, rays and steps of a pixel under some settings.
-RefinementRecord::Rays replay(const SearchPixel& pixel, const RenderSettings& settings);
+ReplayedPixel replay(const SearchPixel& pixel, const RenderSettings& settings);
 
 struct Candidate {
     RenderSettings settings;
@@ -44,14 +44,13 @@ Candidate evaluate(const SearchSample& sample, const RenderSettings& settings);
 /// Error of given colours on the sample.
 MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors);
 
-/// Settings worth comparing with the leaf grids up to `max_leaf_grid`: thresholds (or normalisers)
-/// at quantiles of what the sample shows, from no refinement to all.
+/// Settings worth comparing with the leaf grids up to `max_leaf_grid`: thresholds, spreads and
+/// normalisers at quantiles of what the sample shows, from no refinement to all.
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                                                const std::vector<RendererKind>& renderers,
                                                int max_leaf_grid);
 
 /// The candidates that no other beats in both steps and error, cheapest first.
-std::vector<Candidate> frontier(std::vector<Candidate> candidates,
-                                const QualityTarget& target);
+std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualityTarget& target);
 
 }  // namespace probebake

@@ -136,24 +136,16 @@ Json write_scene(const Scene& scene) {
               {"build_peak_bytes", load.build.peak_bytes}}}};
 }
 
-std::vector<const ProbeResult*> results_of(const BakeRecord& record, LightingState state) {
-    std::vector<const ProbeResult*> results;
-    for (const ProbeResult& result : record.results) {
-        if (result.state == state) results.push_back(&result);
-    }
-    return results;
-}
-
 Json write_state(const BakeRecord& record, const Pilot& pilot) {
     const double confidence = record.job.quality.evidence.confidence;
-    const std::vector<const ProbeResult*> results = results_of(record, pilot.state);
-    const MeasuredError pooled = pooled_error(results);
+    const MeasuredError pooled = pooled_error(record, pilot.state);
     std::map<std::string, uint64_t> verdicts;
     Costs costs;
     costs.add(pilot);
-    for (const ProbeResult* result : results) {
-        ++verdicts[std::string(name_of(judge(record.job, pilot, *result, pooled).verdict))];
-        costs.add(*result);
+    for (const ProbeResult& result : record.results) {
+        if (result.state != pilot.state) continue;
+        ++verdicts[std::string(name_of(judge(record.job, pilot, result, pooled).verdict))];
+        costs.add(result);
     }
     Json json = {{"state", name_of(pilot.state)},
                  {"exposure", pilot.exposure},
@@ -162,11 +154,12 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
                  {"pilot",
                   {{"pixels", pilot.pixels},
                    {"candidates", pilot.candidates},
+                   {"truth_grid", pilot.truth_grid},
                    {"wall_seconds", pilot.wall_seconds}}},
                  {"results", verdicts},
                  {"cost", costs.write()},
                  {"curve", write_curve(pilot, confidence)}};
-    if (record.job.quality.evidence.audit && !results.empty()) {
+    if (pooled.mse.samples > 0) {
         json["error"] = write_error(pooled, confidence);
         json["error"]["evidence"] = name_of(EvidenceOf::kJob);
     }
@@ -181,11 +174,12 @@ std::string_view name_of(Verdict verdict) {
     return kNames[static_cast<size_t>(verdict)];
 }
 
-MeasuredError pooled_error(const std::vector<const ProbeResult*>& results) {
+MeasuredError pooled_error(const BakeRecord& record, LightingState state) {
+    const double weight = 1.0 / static_cast<double>(record.job.probes.size());
     MeasuredError pooled;
-    const double weight = 1.0 / static_cast<double>(std::max<size_t>(1, results.size()));
-    for (const ProbeResult* result : results) {
-        const MeasuredError& error = result->certificate.error;
+    for (const ProbeResult& result : record.results) {
+        if (result.state != state) continue;
+        const MeasuredError& error = result.certificate.error;
         pooled.mse.add(weight, error.mse);
         if (!error.ssim) continue;
         if (!pooled.ssim) pooled.ssim = Estimate{};
@@ -249,7 +243,8 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
         json["faces"].push_back(std::move(face));
     }
     if (result.certificate.pixels > 0) {
-        json["error"] = write_error(result.certificate.error, record.job.quality.evidence.confidence);
+        json["error"] =
+            write_error(result.certificate.error, record.job.quality.evidence.confidence);
     }
     for (const ProductFile& file : result.files) {
         json["files"].push_back(

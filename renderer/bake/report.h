@@ -33,9 +33,6 @@ struct Judgement {
     EvidenceOf evidence = EvidenceOf::kNone;
 };
 
-/// The audits of all probes of a state as one estimate: the mean over the probes.
-MeasuredError pooled_error(const std::vector<const ProbeResult*>& results);
-
 Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
                 const MeasuredError& pooled);
 
@@ -49,10 +46,13 @@ struct BakeRecord {
     const std::vector<ProbeResult>& results;  // those that were finished
     double wall_seconds = 0.0;                // pilot and render
     double seconds_to_first_probe = 0.0;
-    uint64_t peak_memory_bytes = 0;           // of the process
+    uint64_t peak_memory_bytes = 0;  // of the process
     int threads = 1;
     std::vector<std::string> warnings;
 };
+
+/// The audits of all probes of a state as one estimate: the mean over the probes.
+MeasuredError pooled_error(const BakeRecord& record, LightingState state);
 
 Json write_report(const BakeRecord& record);
 /// The row of one result; `pooled` belongs to its state.

@@ -35,6 +35,12 @@ struct CostStats {
         steps += hit.steps;
     }
 
+    /// Counts everything of `other` as discarded.
+    void discard_all(const CostStats& other) {
+        discarded_rays += other.all_rays();
+        steps += other.steps;
+    }
+
     CostStats& operator+=(const CostStats& other) {
         rays += other.rays;
         discarded_rays += other.discarded_rays;

@@ -1,7 +1,5 @@
 #include "render/error_aware.h"
 
-#include <cassert>
-
 #include "error/node_error.h"
 #include "error/sh_error.h"
 
@@ -20,7 +18,7 @@ struct Cast {
 
 /// The ray of a pixel (refinement 0) or of a quadrant (refinement 1).
 Cast coarse_ray(const RenderScene& scene, const View& view, const Vec2& at, int refinement,
-                 const RenderSettings& settings) {
+                const RenderSettings& settings) {
     Cast cast{pixel_ray(view, at.x, at.y, refinement == 0 ? 1.0 : 0.5), {}};
     const LevelOfDetail lod =
         settings.fixed_level
@@ -30,36 +28,81 @@ Cast coarse_ray(const RenderScene& scene, const View& view, const Vec2& at, int 
     return cast;
 }
 
-/// Calls visit(hit) for the per_side² leaf rays on the regular grid of a quadrant.
+/// Calls visit(hit) for the 2×2 leaf rays of a quadrant; with the others of the pixel they form the
+/// regular 4×4 grid.
 template <class Visit>
-void leaf_rays(const RenderScene& scene, const View& view, const Vec2& quadrant, int per_side,
-               Visit visit) {
-    for (int j = 0; j < per_side; ++j) {
-        for (int i = 0; i < per_side; ++i) {
-            const double x = quadrant.x - 0.25 + 0.5 * (i + 0.5) / per_side;
-            const double y = quadrant.y - 0.25 + 0.5 * (j + 0.5) / per_side;
-            visit(trace(scene.tree, pixel_ray(view, x, y).ray, {}, scene.range));
-        }
+void quadrant_leaf_rays(const RenderScene& scene, const View& view, const Vec2& quadrant,
+                        Visit visit) {
+    for (int i = 0; i < 4; ++i) {
+        const double x = quadrant.x - 0.125 + 0.25 * (i & 1);
+        const double y = quadrant.y - 0.125 + 0.25 * (i >> 1);
+        visit(trace(scene.tree, pixel_ray(view, x, y).ray, {}, scene.range));
     }
 }
 
-size_t leaf_grid_index(int leaf_grid) {
-    const auto at = std::find(kLeafGrids.begin(), kLeafGrids.end(), leaf_grid);
-    assert(at != kLeafGrids.end());
-    return static_cast<size_t>(at - kLeafGrids.begin());
+/// The 1 → 2×2 → 4×4 of the thesis, after the first ray.
+PixelSums refine_quadrants(const RenderScene& scene, const View& view, int x, int y,
+                           const RenderSettings& settings, CostStats& stats) {
+    PixelSums sums;
+    const double t_max = scene.range.t_max;
+    for (int q = 0; q < 4; ++q) {
+        const Vec2 at = quadrant_centre(x, y, q);
+        const Cast cast = coarse_ray(scene, view, at, 1, settings);
+        const double error = hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
+        if (!needs_refinement(error, settings.threshold)) {
+            stats.keep(cast.hit);
+            sums.add(shade(scene, cast.hit), cast.hit.t, t_max, 1.0 / 4);
+            continue;
+        }
+        stats.discard(cast.hit);
+        quadrant_leaf_rays(scene, view, at, [&](const Hit& hit) {
+            stats.keep(hit);
+            sums.add(shade(scene, hit), hit.t, t_max, 1.0 / 16);
+        });
+    }
+    return sums;
 }
 
-void add(RefinementRecord::Rays& total, const RefinementRecord::Rays& part, double weight) {
-    total.color += part.color * weight;
-    total.steps += part.steps;
-    total.rays += part.rays;
+/// Adds the rays of a record as PixelSums::add would have, one by one; distances are not recorded.
+void add_rays(PixelSums& sums, const RefinementRecord::Rays& rays, double weight) {
+    const double n = rays.rays;
+    const double w2 = weight * weight * n;
+    sums.color += rays.color * (weight * n);
+    sums.samples += static_cast<int>(rays.rays);
+    sums.weight2 += w2;
+    sums.color_weight2 += rays.color * w2;
+    sums.color2_weight2 += rays.square * w2;
 }
 
-/// A discarded ray: cost without colour.
-void add_cost(RefinementRecord::Rays& total, const RefinementRecord::Rays& part) {
-    total.steps += part.steps;
-    total.rays += part.rays;
+void add_cost(ReplayedPixel& pixel, const RefinementRecord::Rays& rays) {
+    pixel.rays += rays.rays;
+    pixel.steps += rays.steps;
 }
+
+/// Sums of means, filled ray by ray.
+class RaysRecorder {
+  public:
+    RaysRecorder(const RenderScene& scene, CostStats& stats) : scene_(scene), stats_(stats) {}
+    void add(const Hit& hit) {
+        stats_.keep(hit);
+        const Vec3 color(shade(scene_, hit));
+        rays_.color += color;
+        rays_.square += color * color;
+        rays_.steps += hit.steps;
+        ++rays_.rays;
+    }
+    RefinementRecord::Rays means() const {
+        RefinementRecord::Rays means = rays_;
+        means.color /= static_cast<double>(rays_.rays);
+        means.square /= static_cast<double>(rays_.rays);
+        return means;
+    }
+
+  private:
+    const RenderScene& scene_;
+    CostStats& stats_;
+    RefinementRecord::Rays rays_;
+};
 
 }  // namespace
 
@@ -79,26 +122,14 @@ FirstRay first_ray(const RenderScene& scene, const View& view, int x, int y,
 
 PixelSums refine_pixel(const RenderScene& scene, const View& view, int x, int y,
                        const RenderSettings& settings, CostStats& stats) {
-    PixelSums sums;
-    const double t_max = scene.range.t_max;
-    const int per_side = settings.leaf_grid / 2;
-    for (int q = 0; q < 4; ++q) {
-        const Vec2 at = quadrant_centre(x, y, q);
-        const Cast cast = coarse_ray(scene, view, at, 1, settings);
-        const double error =
-            hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
-        if (!needs_refinement(error, settings.threshold)) {
-            stats.keep(cast.hit);
-            sums.add(shade(scene, cast.hit), cast.hit.t, t_max, 0.25);
-            continue;
-        }
-        stats.discard(cast.hit);
-        const double weight = 0.25 / (per_side * per_side);
-        leaf_rays(scene, view, at, per_side, [&](const Hit& hit) {
-            stats.keep(hit);
-            sums.add(shade(scene, hit), hit.t, t_max, weight);
-        });
+    CostStats kept;
+    PixelSums sums = refine_quadrants(scene, view, x, y, settings, kept);
+    for (int grid = 8; grid <= settings.leaf_grid && sums.spread() > settings.spread; grid *= 2) {
+        stats.discard_all(kept);
+        kept = {};
+        sums = uniform_pixel(scene, view, x, y, grid, kept);
     }
+    stats += kept;
     return sums;
 }
 
@@ -117,62 +148,86 @@ PixelSums error_aware_pixel(const RenderScene& scene, const View& view, int x, i
 
 RefinementRecord record_refinement(const RenderScene& scene, const View& view, int x, int y,
                                    const RenderSettings& settings, CostStats& stats) {
-    const auto error_of = [&](const Cast& cast) {
-        return hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
-    };
-    const auto rays_of = [&](const Cast& cast) {
-        stats.keep(cast.hit);
-        return RefinementRecord::Rays{Vec3(shade(scene, cast.hit)), cast.hit.steps, 1};
+    const auto record_cast = [&](const Vec2& at, int refinement, double& error) {
+        const Cast cast = coarse_ray(scene, view, at, refinement, settings);
+        error = hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
+        RaysRecorder recorder(scene, stats);
+        recorder.add(cast.hit);
+        return recorder.means();
     };
     RefinementRecord record;
-    const Cast first = coarse_ray(scene, view, {x, y}, 0, settings);
-    record.first = rays_of(first);
-    record.first_error = error_of(first);
+    record.first = record_cast({x, y}, 0, record.first_error);
     for (int q = 0; q < 4; ++q) {
         RefinementRecord::Quadrant& quadrant = record.quadrants[static_cast<size_t>(q)];
-        const Cast second = coarse_ray(scene, view, quadrant_centre(x, y, q), 1, settings);
-        quadrant.coarse = rays_of(second);
-        quadrant.error = error_of(second);
+        quadrant.coarse = record_cast(quadrant_centre(x, y, q), 1, quadrant.error);
     }
     return record;
 }
 
 void record_leaves(const RenderScene& scene, const View& view, int x, int y, int leaf_grid,
                    RefinementRecord& record, CostStats& stats) {
-    const int per_side = leaf_grid / 2;
-    for (int q = 0; q < 4; ++q) {
-        RefinementRecord::Rays& leaves =
-            record.quadrants[static_cast<size_t>(q)].leaves[leaf_grid_index(leaf_grid)];
-        leaf_rays(scene, view, quadrant_centre(x, y, q), per_side, [&](const Hit& hit) {
-            stats.keep(hit);
-            leaves.color += Vec3(shade(scene, hit)) / static_cast<double>(per_side * per_side);
-            leaves.steps += hit.steps;
-            ++leaves.rays;
-        });
-    }
-}
-
-RefinementRecord::Rays replay(const RefinementRecord& record, double threshold, int leaf_grid) {
-    if (!needs_refinement(record.first_error, threshold)) return record.first;
-    RefinementRecord::Rays total;
-    add_cost(total, record.first);
-    for (const RefinementRecord::Quadrant& quadrant : record.quadrants) {
-        if (needs_refinement(quadrant.error, threshold)) {
-            add_cost(total, quadrant.coarse);
-            add(total, quadrant.leaves[leaf_grid_index(leaf_grid)], 0.25);
-        } else {
-            add(total, quadrant.coarse, 0.25);
+    if (leaf_grid == 4) {
+        for (int q = 0; q < 4; ++q) {
+            RaysRecorder recorder(scene, stats);
+            quadrant_leaf_rays(scene, view, quadrant_centre(x, y, q),
+                               [&](const Hit& hit) { recorder.add(hit); });
+            record.quadrants[static_cast<size_t>(q)].leaves = recorder.means();
         }
+        return;
     }
-    return total;
+    RaysRecorder recorder(scene, stats);
+    for_each_grid_ray(scene, view, x, y, leaf_grid, {}, [&](const Hit& hit) { recorder.add(hit); });
+    record.finer[leaf_grid == 8 ? 0 : 1] = recorder.means();
 }
 
-RefinementRecord::Rays replay_reference(const RefinementRecord& record, int leaf_grid) {
-    RefinementRecord::Rays total;
-    for (const RefinementRecord::Quadrant& quadrant : record.quadrants) {
-        add(total, quadrant.leaves[leaf_grid_index(leaf_grid)], 0.25);
+ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSettings& settings) {
+    ReplayedPixel pixel;
+    add_cost(pixel, record.first);
+    if (!needs_refinement(record.first_error, settings.threshold)) {
+        pixel.color = record.first.color;
+        return pixel;
     }
-    return total;
+    PixelSums sums;
+    for (const RefinementRecord::Quadrant& quadrant : record.quadrants) {
+        add_cost(pixel, quadrant.coarse);
+        if (!needs_refinement(quadrant.error, settings.threshold)) {
+            add_rays(sums, quadrant.coarse, 1.0 / 4);
+            continue;
+        }
+        add_cost(pixel, quadrant.leaves);
+        add_rays(sums, quadrant.leaves, 1.0 / 16);
+    }
+    for (int grid = 8; grid <= settings.leaf_grid && sums.spread() > settings.spread; grid *= 2) {
+        const RefinementRecord::Rays& finer = record.finer[grid == 8 ? 0 : 1];
+        add_cost(pixel, finer);
+        sums = {};
+        add_rays(sums, finer, 1.0 / (grid * grid));
+    }
+    pixel.color = sums.color;
+    return pixel;
+}
+
+ReplayedPixel replay_reference(const RefinementRecord& record, int leaf_grid) {
+    ReplayedPixel pixel;
+    if (leaf_grid > 4) {
+        const RefinementRecord::Rays& rays = record.finer[leaf_grid == 8 ? 0 : 1];
+        add_cost(pixel, rays);
+        pixel.color = rays.color;
+        return pixel;
+    }
+    for (const RefinementRecord::Quadrant& quadrant : record.quadrants) {
+        add_cost(pixel, quadrant.leaves);
+        pixel.color += quadrant.leaves.color * 0.25;
+    }
+    return pixel;
+}
+
+double leaf_spread(const RefinementRecord& record) {
+    PixelSums sums;
+    for (const RefinementRecord::Quadrant& quadrant : record.quadrants) {
+        add_rays(sums, quadrant.leaves, 1.0 / 16);
+    }
+    return sums.spread();
 }
 
 }  // namespace probebake

@@ -1,12 +1,14 @@
-// Error-aware rendering of a pixel (Müller 2020, 5.1.3): 1 → 2×2 → leaf rays.
+// Error-aware rendering of a pixel (Müller 2020, 5.1.3): 1 → 2×2 → 4×4 rays, and further.
 //
 //   cast one ray at the level whose node covers the pixel
 //   where E(node) > threshold: discard it, cast 2×2, one level finer, each with its own check
-//   where E(node) > threshold again: discard that quadrant's ray, cast (g/2)² leaf rays in it
+//   where E(node) > threshold again: discard that quadrant's ray, cast 2×2 leaf rays in it
+//   so far the thesis: at most 1 + 4 + 16 rays. With leaf_grid 8 or 16 a refined pixel goes on:
+//   where the rays of its mean spread more than `spread`: discard them, cast 8×8 leaf rays;
+//   where these still do: 16×16
 //
-// With leaf_grid g = 4, the thesis's, a pixel casts at most 1 + 4 + 16 rays; g = 8 and 16 go on
-// where the target asks for more. Every ray is counted, the discarded ones apart. A miss has no
-// node, hence no error: it is refined only where threshold < 0, that is everywhere.
+// Every ray is counted, the discarded ones apart. A miss has no node, hence no error: it is refined
+// only where threshold < 0, that is everywhere.
 #pragma once
 
 #include "render/pixel.h"
@@ -34,25 +36,27 @@ PixelSums refine_pixel(const RenderScene& scene, const View& view, int x, int y,
 /// Leaf grids that refinement may end in.
 inline constexpr std::array<int, 3> kLeafGrids = {4, 8, 16};
 
-/// Rays that error_aware_pixel could cast in a pixel, so that the outcome of every threshold is
-/// known without casting again: what the quality search works on.
+/// Rays that error_aware_pixel could cast in a pixel, so that the outcome of all settings is known
+/// without casting again: what the quality search works on.
 struct RefinementRecord {
     struct Rays {
-        Vec3 color{0.0};  // mean
+        Vec3 color{0.0};   // mean
+        Vec3 square{0.0};  // mean of the squared colours
         uint32_t steps = 0;
         uint32_t rays = 0;
     };
     struct Quadrant {
         Rays coarse;
         double error = 0.0;
-        std::array<Rays, kLeafGrids.size()> leaves;  // empty for grids not cast
+        Rays leaves;  // 2×2
     };
     Rays first;
     double first_error = 0.0;
     std::array<Quadrant, 4> quadrants;
+    std::array<Rays, 2> finer;  // 8×8 and 16×16 leaf rays; empty where not recorded
 };
 
-/// Casts the pixel's ray and its four quadrants'; counted in `stats`.
+/// Casts the first ray and the four quadrants'; counted in `stats`.
 RefinementRecord record_refinement(const RenderScene& scene, const View& view, int x, int y,
                                    const RenderSettings& settings, CostStats& stats);
 
@@ -60,11 +64,21 @@ RefinementRecord record_refinement(const RenderScene& scene, const View& view, i
 void record_leaves(const RenderScene& scene, const View& view, int x, int y, int leaf_grid,
                    RefinementRecord& record, CostStats& stats);
 
-/// Colour, rays (kept and discarded) and steps of error_aware_pixel at a threshold and a leaf grid
-/// that was recorded.
-RefinementRecord::Rays replay(const RefinementRecord& record, double threshold, int leaf_grid);
+/// What a pixel comes to, all rays counted.
+struct ReplayedPixel {
+    Vec3 color{0.0};
+    uint64_t rays = 0;  // kept and discarded
+    uint64_t steps = 0;
+};
 
-/// The same for the reference renderer with that leaf grid.
-RefinementRecord::Rays replay_reference(const RefinementRecord& record, int leaf_grid);
+/// As error_aware_pixel would have it, from a record that holds the leaf grids of the settings.
+ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSettings& settings);
+
+/// As the reference renderer with one of kLeafGrids.
+ReplayedPixel replay_reference(const RefinementRecord& record, int leaf_grid);
+
+/// Spread of the 4×4 leaf rays of a pixel, which is what `RenderSettings::spread` is compared with
+/// where a pixel is refined throughout.
+double leaf_spread(const RefinementRecord& record);
 
 }  // namespace probebake

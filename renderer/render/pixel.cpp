@@ -7,15 +7,24 @@
 
 namespace probebake {
 
-Rgb PixelSums::standard_error() const {
-    if (samples < 2) return Rgb(0.0f);
-    const Vec3 spread = color2_weight2 - 2.0 * color * color_weight2 + color * color * weight2;
-    const double bessel = samples / (samples - 1.0);
-    Rgb error;
-    for (int c = 0; c < 3; ++c) {
-        error[c] = static_cast<float>(std::sqrt(std::max(0.0, spread[c] * bessel)));
-    }
-    return error;
+namespace {
+
+/// Variance of the mean, per channel.
+Vec3 variance_of_mean(const PixelSums& sums) {
+    if (sums.samples < 2) return Vec3(0.0);
+    const Vec3 deviation = sums.color2_weight2 - 2.0 * sums.color * sums.color_weight2 +
+                           sums.color * sums.color * sums.weight2;
+    const double bessel = sums.samples / (sums.samples - 1.0);
+    return glm::max(Vec3(0.0), deviation * bessel);
+}
+
+}  // namespace
+
+Rgb PixelSums::standard_error() const { return Rgb(glm::sqrt(variance_of_mean(*this))); }
+
+double PixelSums::spread() const {
+    const Vec3 variance = variance_of_mean(*this);
+    return std::sqrt((variance.x + variance.y + variance.z) / 3.0);
 }
 
 PixelRay pixel_ray(const View& view, double x, double y, double pixels) {
@@ -30,15 +39,10 @@ PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y
                         CostStats& stats, const LevelOfDetail& lod) {
     PixelSums sums;
     const double weight = 1.0 / (grid * grid);
-    for (int j = 0; j < grid; ++j) {
-        for (int i = 0; i < grid; ++i) {
-            const PixelRay cast =
-                pixel_ray(view, x - 0.5 + (i + 0.5) / grid, y - 0.5 + (j + 0.5) / grid);
-            const Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
-            stats.keep(hit);
-            sums.add(shade(scene, hit), hit.t, scene.range.t_max, weight);
-        }
-    }
+    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Hit& hit) {
+        stats.keep(hit);
+        sums.add(shade(scene, hit), hit.t, scene.range.t_max, weight);
+    });
     return sums;
 }
 

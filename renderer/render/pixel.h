@@ -45,6 +45,8 @@ struct PixelSums {
     /// Standard error of `color` judged by the spread of the pixel's own rays; 0 for a single ray,
     /// which is no evidence of anything.
     Rgb standard_error() const;
+    /// The same as one number: root mean square over the channels.
+    double spread() const;
 };
 
 /// Colour of a hit at its own level; the background for a miss.
@@ -62,6 +64,19 @@ struct PixelRay {
     double cone = 0.0;
 };
 PixelRay pixel_ray(const View& view, double x, double y, double pixels = 1.0);
+
+/// Calls visit(hit) for grid × grid rays on the regular grid of the pixel's footprint.
+template <class Visit>
+void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y, int grid,
+                       const LevelOfDetail& lod, Visit visit) {
+    for (int j = 0; j < grid; ++j) {
+        for (int i = 0; i < grid; ++i) {
+            const PixelRay cast =
+                pixel_ray(view, x - 0.5 + (i + 0.5) / grid, y - 0.5 + (j + 0.5) / grid);
+            visit(trace(scene.tree, cast.ray, lod, scene.range));
+        }
+    }
+}
 
 /// grid × grid rays on the regular grid of the footprint, stopping at `lod` (leaves by default).
 PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,

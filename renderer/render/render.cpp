@@ -50,7 +50,9 @@ class ViewRenderer {
             for (int x = 0; x < view_.width_px; ++x) out_.pixels += renders(x, y) ? 1 : 0;
         }
         switch (settings_.kind) {
-            case RendererKind::kReference: reference(); break;
+            case RendererKind::kReference:
+                reference();
+                break;
             case RendererKind::kLod:
                 each_pixel([&](int x, int y, CostStats& stats) {
                     return lod_pixel(scene_, view_, x, y, settings_, stats);
@@ -65,7 +67,9 @@ class ViewRenderer {
                     });
                 }
                 break;
-            case RendererKind::kAdaptive: adaptive(); break;
+            case RendererKind::kAdaptive:
+                adaptive();
+                break;
         }
         return std::move(out_);
     }
@@ -133,11 +137,16 @@ class ViewRenderer {
         });
         std::vector<Refinable> waiting;
         for (const auto& row : rows) waiting.insert(waiting.end(), row.begin(), row.end());
-        std::stable_sort(waiting.begin(), waiting.end(), [](const Refinable& a, const Refinable& b) {
-            return a.first.error > b.first.error;
-        });
+        std::stable_sort(
+            waiting.begin(), waiting.end(),
+            [](const Refinable& a, const Refinable& b) { return a.first.error > b.first.error; });
 
-        const auto worst = static_cast<uint64_t>(4 + settings_.leaf_grid * settings_.leaf_grid);
+        uint64_t worst = 4;  // the quadrants' rays, then the leaf grids
+        for (const int grid : kLeafGrids) {
+            const bool possible = grid == 4 || std::isfinite(settings_.spread);
+            if (possible && grid <= settings_.leaf_grid)
+                worst += static_cast<uint64_t>(grid * grid);
+        }
         size_t refined = 0;
         for (;;) {
             // The first rays of waiting pixels are cast, but not yet counted.
@@ -153,12 +162,13 @@ class ViewRenderer {
     }
 
     CostStats refine(std::span<const Refinable> pixels) {
-        return for_each_tile(static_cast<int>(pixels.size()), cancel_, [&](int i, CostStats& stats) {
-            const Refinable& pixel = pixels[static_cast<size_t>(i)];
-            stats.discard(pixel.first.hit);
-            store(pixel.x, pixel.y,
-                  refine_pixel(scene_, view_, pixel.x, pixel.y, settings_, stats));
-        });
+        return for_each_tile(
+            static_cast<int>(pixels.size()), cancel_, [&](int i, CostStats& stats) {
+                const Refinable& pixel = pixels[static_cast<size_t>(i)];
+                stats.discard(pixel.first.hit);
+                store(pixel.x, pixel.y,
+                      refine_pixel(scene_, view_, pixel.x, pixel.y, settings_, stats));
+            });
     }
 
     void adaptive() {
@@ -179,8 +189,8 @@ class ViewRenderer {
         for (int y = 0; y < view_.height_px; ++y) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                variation[index(x, y)] = luminance_variation(
-                    first, view_.width_px, view_.height_px, x, y, settings_.misses_in_kernel);
+                variation[index(x, y)] = luminance_variation(first, view_.width_px, view_.height_px,
+                                                             x, y, settings_.misses_in_kernel);
                 rendered.push_back(variation[index(x, y)]);
             }
         }

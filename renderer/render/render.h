@@ -27,7 +27,7 @@ struct ViewRender {
     Image color;
     std::vector<PixelAux> aux;  // row by row
     CostStats stats;
-    uint64_t pixels = 0;  // rendered: those that the face owns
+    uint64_t pixels = 0;   // rendered: those that the face owns
     bool limited = false;  // the ray limit left something undone that the settings ask for
 };
 

@@ -1,6 +1,7 @@
 // The renderers and what steers them.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "error/node_error.h"
@@ -26,9 +27,13 @@ struct RenderSettings {
     double threshold = kThesisThreshold;
     /// Weight of the children's mean error in a node's error (5.1.4).
     double decay = kThesisDecay;
-    /// Leaf rays per pixel side where a pixel is refined to the leaves: 4, 8 or 16. The thesis's
-    /// renderer has 4.
+    /// Most leaf rays per pixel side. The reference renderer casts so many everywhere; the
+    /// error-aware one casts 4 × 4, as the thesis's, and goes on to 8 and 16 where `spread` says
+    /// so.
     int leaf_grid = 4;
+    /// A refined pixel goes on where the standard error of its rays' mean (root mean square over
+    /// R, G, B, in units of radiance) exceeds this.
+    double spread = std::numeric_limits<double>::infinity();
     /// Level of detail of the first ray: the pixel's footprint, or a fixed octree level (each
     /// refinement goes one level down).
     std::optional<int> fixed_level;

@@ -30,31 +30,31 @@ int bake(const BakeOptions& options) {
     const CancelToken cancel;
     ProgressBar bar(options.json);
     std::vector<Json> rows;
-    const Json report = run_bake(
-        {.job = job,
-         .scene =
-             [&](const CancelToken&) {
-                 std::shared_ptr<const Scene> scene;
-                 pool.run([&] { scene = load(options.scenes, job.scene); });
-                 return scene;
-             },
-         .pool = pool,
-         .cancel = cancel,
-         .sink =
-             [&](const ProbeSpec& probe, const ProbeResult& result) {
-                 const auto folder = options.out / probe.id / name_of(result.state);
-                 std::filesystem::create_directories(folder);
-                 for (const ProductFile& file : result.files) {
-                     write_file_atomically(folder / file.name, file.bytes);
-                 }
-             },
-         .on_progress =
-             [&](const BakeProgress& progress) {
-                 bar.show(std::string(name_of(progress.phase)), progress.units_done,
-                          progress.phase == BakePhase::kRendering ? progress.units : 0,
-                          progress.seconds_left);
-             },
-         .row_sink = [&](const Json& row) { rows.push_back(row); }});
+    const Json report =
+        run_bake({.job = job,
+                  .scene =
+                      [&](const CancelToken&) {
+                          std::shared_ptr<const Scene> scene;
+                          pool.run([&] { scene = load(options.scenes, job.scene); });
+                          return scene;
+                      },
+                  .pool = pool,
+                  .cancel = cancel,
+                  .sink =
+                      [&](const ProbeSpec& probe, const ProbeResult& result) {
+                          const auto folder = options.out / probe.id / name_of(result.state);
+                          std::filesystem::create_directories(folder);
+                          for (const ProductFile& file : result.files) {
+                              write_file_atomically(folder / file.name, file.bytes);
+                          }
+                      },
+                  .on_progress =
+                      [&](const BakeProgress& progress) {
+                          bar.show(std::string(name_of(progress.phase)), progress.units_done,
+                                   progress.phase == BakePhase::kRendering ? progress.units : 0,
+                                   progress.seconds_left);
+                      },
+                  .row_sink = [&](const Json& row) { rows.push_back(row); }});
     std::string lines;
     for (const Json& row : rows) lines += dump_json(row) + "\n";
     write_file_atomically(options.out / "report.json", dump_json(report, 2) + "\n");

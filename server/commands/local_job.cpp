@@ -37,8 +37,7 @@ SceneFile find_scene(const SceneOptions& options, const std::string& name_or_pat
 
 JobSpec read_job_file(const std::filesystem::path& path) {
     const std::vector<std::byte> bytes = read_file(path, uint64_t{64} << 20);
-    return read_job(
-        parse_json({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+    return read_job(parse_json({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
 }
 
 }  // namespace probebake

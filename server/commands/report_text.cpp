@@ -36,14 +36,14 @@ std::string settings_text(const Json& settings) {
 std::string report_text(const Json& report, const std::vector<Json>& rows) {
     const Json& scene = report["scene"];
     const Json& target = report["target"];
-    std::string text =
-        "scene " + scene["name"].get<std::string>() + ": " + grouped(scene["voxels"]) +
-        " voxels, " + grouped(scene["octree_nodes"]) + " octree nodes, " +
-        bytes_text(scene["bytes"]) + "\ntarget " + target["metric"].get<std::string>() + " " +
-        target["value"].dump() + " against " + target["against"].get<std::string>() + "\n\n";
+    std::string text = "scene " + scene["name"].get<std::string>() + ": " +
+                       grouped(scene["voxels"]) + " voxels, " + grouped(scene["octree_nodes"]) +
+                       " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " +
+                       target["metric"].get<std::string>() + " " + target["value"].dump() +
+                       " against " + target["against"].get<std::string>() + "\n\n";
 
-    Table table({"probe/state", "result", "dB or SSIM", "rays/px", "rays", "steps", "seconds",
-                 "settings"});
+    Table table(
+        {"probe/state", "result", "dB or SSIM", "rays/px", "rays", "steps", "seconds", "settings"});
     for (const Json& row : rows) {
         const Json& cost = row["cost"];
         const uint64_t rays = cost["render"]["rays"].get<uint64_t>() +

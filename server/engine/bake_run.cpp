@@ -44,8 +44,8 @@ class BakeRun {
         const Clock::time_point now = Clock::now();
         progress_.seconds = seconds_between(start_, now);
         if (progress_.units_done > 0) {
-            const double per_unit = seconds_between(render_begin_, now) /
-                                    static_cast<double>(progress_.units_done);
+            const double per_unit =
+                seconds_between(render_begin_, now) / static_cast<double>(progress_.units_done);
             progress_.seconds_left =
                 per_unit * static_cast<double>(progress_.units - progress_.units_done);
         }
@@ -62,9 +62,8 @@ class BakeRun {
             std::optional<TimeBudget> time;
             if (job_.budget.seconds) {
                 // What is left, in equal parts for this state and those after it.
-                time = {params_.pool.threads(),
-                        std::max(0.0, seconds_left()) /
-                            static_cast<double>(job_.states.size() - s)};
+                time = {params_.pool.threads(), std::max(0.0, seconds_left()) /
+                                                    static_cast<double>(job_.states.size() - s)};
             }
             params_.pool.run([&] {
                 pilots_.push_back(
@@ -80,8 +79,8 @@ class BakeRun {
             params_.cancel.throw_if_cancelled();
             // Probe by probe, so that a probe's states end together.
             const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
-            ProbeResult result = bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit,
-                                            params_.cancel);
+            ProbeResult result =
+                bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit, params_.cancel);
             publish(i, std::move(result));
         });
     }

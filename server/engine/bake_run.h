@@ -22,8 +22,8 @@ struct BakeProgress {
     BakePhase phase = BakePhase::kLoading;
     uint64_t units_done = 0;
     uint64_t units = 0;
-    double seconds = 0.0;                       // since the bake began
-    std::optional<double> seconds_left;         // expected, once units are done
+    double seconds = 0.0;                // since the bake began
+    std::optional<double> seconds_left;  // expected, once units are done
 };
 
 struct BakeParams {

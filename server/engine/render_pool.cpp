@@ -13,8 +13,7 @@ constexpr int kRenderNiceness = 10;
 
 }  // namespace
 
-RenderPool::LowPriority::LowPriority(tbb::task_arena& arena)
-    : tbb::task_scheduler_observer(arena) {
+RenderPool::LowPriority::LowPriority(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) {
     observe(true);
 }
 

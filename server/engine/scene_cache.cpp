@@ -67,8 +67,7 @@ void SceneCache::evict() {
         for (auto at = entries_.begin(); at != entries_.end(); ++at) {
             const Entry& entry = *at->second;
             const bool idle = entry.scene && entry.scene.use_count() == 1;  // no job holds it
-            if (idle && (oldest == entries_.end() ||
-                         entry.last_use < oldest->second->last_use)) {
+            if (idle && (oldest == entries_.end() || entry.last_use < oldest->second->last_use)) {
                 oldest = at;
             }
         }

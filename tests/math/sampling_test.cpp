@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "math/random.h"
+
 namespace probebake {
 namespace {
 

@@ -42,19 +42,53 @@ TEST_F(ErrorAwareTest, WithoutRefinementItIsTheLodRenderer) {
     });
 }
 
-TEST_F(ErrorAwareTest, FullRefinementIsTheReferenceAfterFiveDiscardedRays) {
+TEST_F(ErrorAwareTest, FullRefinementIsTheReferenceAfterTheDiscardedRays) {
     for (const int grid : kLeafGrids) {
-        RenderSettings settings{.threshold = -1.0, .leaf_grid = grid};
+        // A spread below 0 goes on everywhere.
+        const RenderSettings settings{.threshold = -1.0, .leaf_grid = grid, .spread = -1.0};
+        uint64_t discarded = 5;
+        for (int coarser = 4; coarser < grid; coarser *= 2) {
+            discarded += static_cast<uint64_t>(coarser * coarser);
+        }
         for_each_pixel([&](const View& view, int x, int y) {
             CostStats stats;
             CostStats reference_stats;
             const PixelSums sums = error_aware_pixel(scene_, view, x, y, settings, stats);
             const PixelSums reference = uniform_pixel(scene_, view, x, y, grid, reference_stats);
             expect_near(sums.color, reference.color);
-            ASSERT_EQ(stats.rays, static_cast<uint64_t>(grid * grid));
-            ASSERT_EQ(stats.discarded_rays, 5u);
+            ASSERT_EQ(stats.rays, reference_stats.rays);
+            ASSERT_EQ(stats.discarded_rays, discarded);
         });
     }
+}
+
+TEST_F(ErrorAwareTest, GoesOnExactlyWhereTheRaysSpread) {
+    const RenderSettings thesis{.threshold = 0.05};
+    RenderSettings settings = thesis;
+    settings.leaf_grid = 16;
+    settings.spread = 0.06;
+    int stages[3] = {};
+    for_each_pixel([&](const View& view, int x, int y) {
+        CostStats thesis_stats;
+        const PixelSums sums = error_aware_pixel(scene_, view, x, y, thesis, thesis_stats);
+        uint64_t rays = thesis_stats.all_rays();
+        int stage = 0;
+        if (rays > 1 && sums.spread() > settings.spread) {
+            CostStats ignored;
+            stage = 1;
+            rays += 64;
+            if (uniform_pixel(scene_, view, x, y, 8, ignored).spread() > settings.spread) {
+                stage = 2;
+                rays += 256;
+            }
+        }
+        CostStats stats;
+        error_aware_pixel(scene_, view, x, y, settings, stats);
+        ASSERT_EQ(stats.all_rays(), rays);
+        ASSERT_EQ(stats.rays, stage == 0 ? thesis_stats.rays : stage == 1 ? 64u : 256u);
+        ++stages[stage];
+    });
+    for (const int count : stages) EXPECT_GT(count, 10);
 }
 
 TEST_F(ErrorAwareTest, RefinesExactlyWhereTheNodesErrorExceedsTheThreshold) {
@@ -106,22 +140,26 @@ TEST_F(ErrorAwareTest, AReplayedRecordIsTheRender) {
             record_leaves(scene_, view, x, y, grid, record, pilot);
         }
         ASSERT_EQ(pilot.all_rays(), 1u + 4u + 16u + 64u + 256u);
-        const auto expect_same = [](const RefinementRecord::Rays& replayed, const PixelSums& sums,
+        const auto expect_same = [](const ReplayedPixel& replayed, const PixelSums& sums,
                                     const CostStats& stats) {
             expect_near(replayed.color, sums.color);
             ASSERT_EQ(replayed.rays, stats.all_rays());
             ASSERT_EQ(replayed.steps, stats.steps);
         };
         for (const int grid : kLeafGrids) {
-            for (const double threshold : {1e9, 0.6, 0.3, 0.154, 0.05, 0.0, -1.0}) {
-                const RenderSettings settings{.threshold = threshold, .leaf_grid = grid};
-                CostStats stats;
-                const PixelSums sums = error_aware_pixel(scene_, view, x, y, settings, stats);
-                expect_same(replay(record, threshold, grid), sums, stats);
+            for (const double threshold : {1e9, 0.6, 0.154, 0.05, -1.0}) {
+                for (const double spread : {0.02, 0.06, 1e9}) {
+                    const RenderSettings settings{
+                        .threshold = threshold, .leaf_grid = grid, .spread = spread};
+                    CostStats stats;
+                    const PixelSums sums = error_aware_pixel(scene_, view, x, y, settings, stats);
+                    expect_same(replay_error_aware(record, settings), sums, stats);
+                }
             }
             CostStats stats;
             const PixelSums sums = uniform_pixel(scene_, view, x, y, grid, stats);
             expect_same(replay_reference(record, grid), sums, stats);
+            if (grid == 4) EXPECT_NEAR(leaf_spread(record), sums.spread(), 1e-9);
         }
     });
 }

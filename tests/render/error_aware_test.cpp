@@ -159,7 +159,9 @@ TEST_F(ErrorAwareTest, AReplayedRecordIsTheRender) {
             CostStats stats;
             const PixelSums sums = uniform_pixel(scene_, view, x, y, grid, stats);
             expect_same(replay_reference(record, grid), sums, stats);
-            if (grid == 4) EXPECT_NEAR(leaf_spread(record), sums.spread(), 1e-9);
+            if (grid == 4) {
+                EXPECT_NEAR(leaf_spread(record), sums.spread(), 1e-9);
+            }
         }
     });
 }

@@ -60,8 +60,7 @@ bool indices_fit(const VoxelTree& tree) {
 
 }  // namespace
 
-void save_tree(const std::filesystem::path& path, const VoxelTree& tree,
-               const std::string& notes) {
+void save_tree(const std::filesystem::path& path, const VoxelTree& tree, const std::string& notes) {
     const ColorPyramid& colors = tree.colors();
     const Summary summary{.depth = static_cast<uint64_t>(tree.depth()),
                           .voxels = tree.voxel_count(),
@@ -73,7 +72,7 @@ void save_tree(const std::filesystem::path& path, const VoxelTree& tree,
         bytes_of(tree.level_begins()),         bytes_of(colors.albedo.voxels),
         bytes_of(colors.albedo.octants),       bytes_of(colors.albedo.nodes),
         bytes_of(colors.emission.voxels),      bytes_of(colors.emission.octants),
-        bytes_of(colors.emission.nodes),        std::as_bytes(std::span(notes))};
+        bytes_of(colors.emission.nodes),       std::as_bytes(std::span(notes))};
     write_checked_file(path, kKind, kVersion, sections);
 }
 

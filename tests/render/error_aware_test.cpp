@@ -66,7 +66,7 @@ TEST_F(ErrorAwareTest, GoesOnExactlyWhereTheRaysSpread) {
     const RenderSettings thesis{.threshold = 0.05};
     RenderSettings settings = thesis;
     settings.leaf_grid = 16;
-    settings.spread = 0.06;
+    settings.spread = 0.035;
     int stages[3] = {};
     for_each_pixel([&](const View& view, int x, int y) {
         CostStats thesis_stats;

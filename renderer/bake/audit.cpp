@@ -13,8 +13,6 @@ namespace probebake {
 namespace {
 
 constexpr double kUniformShare = 0.5;
-/// Rays per side of each of a window pixel's two truths: 121 pixels average their noise.
-constexpr int kWindowTruthGrid = 2;
 
 CubePixel pixel_at(size_t index, int n) {
     const auto size = static_cast<size_t>(n);
@@ -152,7 +150,7 @@ class AuditRun {
             const CubePixel pixel{corner.face, corner.x + i % kSsimWindow_px,
                                   corner.y + i / kSsimWindow_px};
             const TruthPair truth = truth_of(pixel, random_key({part, static_cast<uint64_t>(i)}),
-                                             kWindowTruthGrid, stats);
+                                             spec_.truth_grid, stats);
             const auto at = static_cast<size_t>(i);
             a[at] = ssim_luminance(spec_.as_written.at(pixel), spec_.exposure);
             r1[at] = ssim_luminance(truth.r1, spec_.exposure);

@@ -59,7 +59,7 @@ class Unit {
             if (estimate_meets(job_.quality.target, look.error)) return;
             next = next_finer(next, look.error);
             result_.earlier_renders += render_.total();
-            render_mse_ = pilot_.finer[next].error.mse.value;
+            render_mse_ = pilot_.finer[next].mse;
             result_.settings = pilot_.finer[next++].settings;
             ++result_.looks;
         }
@@ -75,7 +75,7 @@ class Unit {
     size_t next_finer(size_t next, const MeasuredError& found) const {
         if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
         const double wanted = render_mse_ * largest_mse(job_.quality.target) / found.mse.value;
-        while (next + 1 < pilot_.finer.size() && pilot_.finer[next].error.mse.value > wanted) {
+        while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > wanted) {
             ++next;
         }
         return next;

@@ -36,12 +36,21 @@ class Search {
         if (affordable < chosen) {
             // One finer than the budget pays for on average: the ray limit of each probe then
             // spends what there is where the errors are largest.
-            chosen = std::min(chosen, limited_by_rays() ? affordable + 1 : affordable);
-            pilot.expectation = Expectation::kBudgetExhausted;
+            const bool spreads = limited_by_rays() &&
+                                 all[affordable].settings.kind == RendererKind::kErrorAware &&
+                                 all[affordable + 1].settings.kind == RendererKind::kErrorAware;
+            chosen = spreads ? affordable + 1 : affordable;
+            if (!ray_target()) pilot.expectation = Expectation::kBudgetExhausted;
         }
         pilot.settings = all[chosen].settings;
+        if (all[chosen].error.mse.nothing_found()) pilot.settings = cautious_settings();
         pilot.settings_mse = all[chosen].error.mse.value;
-        pilot.finer.assign(all.begin() + static_cast<std::ptrdiff_t>(chosen) + 1, all.end());
+        for (size_t i = chosen + 1; i < all.size(); ++i) {
+            pilot.finer.push_back({all[i].settings, all[i].error.mse.value});
+        }
+        for (const RenderSettings& settings : finest_settings(plan_.renderers)) {
+            pilot.finer.push_back({settings, 0.0});
+        }
         return {std::move(all), chosen};
     }
 
@@ -53,7 +62,7 @@ class Search {
             kind == RendererKind::kErrorAware || kind == RendererKind::kReference;
         std::vector<Candidate> best;
         for (const int leaf_grid : kLeafGrids) {
-            pixels_.extend(kind, leaf_grid);
+            pixels_.extend(plan_.renderers, leaf_grid);
             const std::vector<RenderSettings> settings =
                 candidate_settings(pixels_.sample(), plan_.renderers, leaf_grid);
             std::vector<Candidate> candidates(settings.size());
@@ -61,12 +70,27 @@ class Search {
                 candidates[i] = evaluate(pixels_.sample(), settings[i]);
             });
             pilot.candidates = candidates.size();
+            const bool too_much = std::any_of(
+                candidates.begin(), candidates.end(),
+                [&](const Candidate& candidate) { return !affordable(candidate); });
             best = frontier(std::move(candidates), job_.quality.target);
-            const bool enough = ray_target() ? last_affordable(best) + 1 < best.size()
-                                             : cheapest_that_meets(best) < best.size();
+            const bool enough =
+                ray_target() ? too_much : cheapest_that_meets(best) < best.size();
             if (enough || !refines_further) break;
         }
         return best;
+    }
+
+    /// Where the sample shows no error at all, what is wrong may be rarer than its pixels: sixteen
+    /// rays in every pixel, not the single one that happened to be enough.
+    RenderSettings cautious_settings() const {
+        switch (plan_.renderers.front()) {
+            case RendererKind::kErrorAware: return {.threshold = -1.0};
+            case RendererKind::kReference: return {.kind = RendererKind::kReference};
+            case RendererKind::kAdaptive: return finest_settings(plan_.renderers).front();
+            case RendererKind::kLod: break;
+        }
+        return {.kind = RendererKind::kLod};
     }
 
     /// All of them where the target is a number of rays: what is affordable decides.
@@ -121,13 +145,15 @@ class Search {
 };
 
 /// Settings of the curve: LOD only, some of the way to the chosen ones, these, and beyond.
-std::vector<RenderSettings> curve_settings(const std::vector<Candidate>& frontier, size_t chosen) {
+std::vector<RenderSettings> curve_settings(const std::vector<Candidate>& frontier, size_t chosen,
+                                           const RenderSettings& used) {
     std::vector<RenderSettings> settings{{.kind = RendererKind::kLod}};
     const auto add = [&](const RenderSettings& s) {
         if (std::find(settings.begin(), settings.end(), s) == settings.end()) settings.push_back(s);
     };
     for (size_t i = 0; i < kCurveBefore; ++i) add(frontier[i * chosen / kCurveBefore].settings);
     add(frontier[chosen].settings);
+    add(used);
     for (const size_t beyond : kCurveBeyond) {
         add(frontier[std::min(frontier.size() - 1, chosen + beyond)].settings);
     }
@@ -148,13 +174,16 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
     Pilot pilot{
         .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
     std::vector<RenderSettings> measured;
-    if (plan.needs_pilot) {
+    if (state == LightingState::kEmission && !scene.emits()) {
+        pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast
+        measured = {pilot.settings};
+    } else if (plan.needs_pilot) {
         const auto [frontier, chosen] = Search(job, plan, pixels, time).run(pilot);
-        measured = curve_settings(frontier, chosen);
+        measured = curve_settings(frontier, chosen, pilot.settings);
     } else {
         pilot.settings = *job.quality.settings;
         if (pilot.settings.kind == RendererKind::kAdaptive) {
-            pixels.extend(RendererKind::kAdaptive, kLeafGrids.front());
+            pixels.extend({RendererKind::kAdaptive}, kLeafGrids.front());
         }
         measured = curve_settings(pilot.settings);
     }

@@ -23,6 +23,11 @@ enum class Expectation {
     kUnreachable,      // not even the finest settings meet it
 };
 
+struct FinerSettings {
+    RenderSettings settings;
+    double mse = 0.0;  // on the sample; 0 where it showed no error any more
+};
+
 struct Pilot {
     LightingState state = LightingState::kAlbedo;
     double exposure = 1.0;
@@ -30,8 +35,8 @@ struct Pilot {
     RenderSettings settings;
     double settings_mse = 0.0;  // their mean squared error on the sample
     Expectation expectation = Expectation::kTargetMet;
-    /// The candidates that refine further, cheapest first: for a probe that misses the target.
-    std::vector<Candidate> finer;
+    /// Settings that refine further, cheapest first, for a probe that misses the target.
+    std::vector<FinerSettings> finer;
     /// From LOD only to beyond the target, cheapest first.
     std::vector<CurvePoint> curve;
     uint64_t pixels = 0;      // of the sample

@@ -139,21 +139,26 @@ void PilotSample::set_exposure() {
     sample_.exposure = exposure_of(colors);
 }
 
-void PilotSample::extend(RendererKind kind, int leaf_grid) {
+void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_grid) {
+    const bool first_time = leaf_grid == kLeafGrids.front();
+    const RendererKind kind = renderers.front();
     search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
         SearchPixel& pixel = sample_.pixels[at.index];
-        const auto [x, y] = std::pair(at.owner.x, at.owner.y);
-        if (leaf_grid == kLeafGrids.front()) {
-            pixel.record = record_refinement(at.scene, at.view, x, y, {}, stats);
+        const auto record = [&](int grid) {
+            record_leaves(at.scene, at.view, at.owner.x, at.owner.y, grid, pixel.record, stats);
+        };
+        if (first_time) {
+            pixel.record =
+                record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
         }
         if (kind == RendererKind::kLod) return;
-        record_leaves(at.scene, at.view, x, y, leaf_grid, pixel.record, stats);
+        record(leaf_grid);
+        if (first_time && renderers.size() > 1) {
+            for (const int grid : kCoarseGrids) record(grid);
+        }
         if (kind != RendererKind::kAdaptive) return;
+        record(2);
         pixel.variation = variation_at(at, stats);
-        CostStats leaves;
-        const Vec3 color = uniform_pixel(at.scene, at.view, x, y, 2, leaves).color;
-        pixel.two_by_two = {color, leaves.rays, leaves.steps};
-        stats += leaves;
     });
 }
 

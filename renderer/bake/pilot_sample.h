@@ -27,9 +27,9 @@ class PilotSample {
     PilotSample(const Scene& scene, const JobSpec& job, LightingState state,
                 const CancelToken& cancel);
 
-    /// Casts what candidates of a renderer with leaf rays of this grid could cast. Grids in the
-    /// order of kLeafGrids.
-    void extend(RendererKind kind, int leaf_grid);
+    /// Casts what candidates of these renderers with leaf rays of this grid could cast. Grids in
+    /// the order of kLeafGrids.
+    void extend(const std::vector<RendererKind>& renderers, int leaf_grid);
 
     /// Renders every pixel and measures the error.
     CurvePoint render(const RenderSettings& settings);

@@ -76,7 +76,7 @@ ReplayedPixel replay(const SearchPixel& pixel, const RenderSettings& settings) {
     }
     const int grid = adaptive_grid(pixel.variation, settings.normaliser);
     if (grid == 0) return {first.color, first.rays, first.steps};
-    ReplayedPixel refined = grid == 2 ? pixel.two_by_two : replay_reference(pixel.record, 4);
+    ReplayedPixel refined = replay_reference(pixel.record, grid);
     refined.rays += first.rays;
     refined.steps += first.steps;
     return refined;
@@ -105,8 +105,11 @@ Candidate evaluate(const SearchSample& sample, const RenderSettings& settings) {
 
 namespace {
 
-std::vector<RenderSettings> reference_settings(int max_leaf_grid) {
+std::vector<RenderSettings> reference_settings(int max_leaf_grid, bool coarse) {
     std::vector<RenderSettings> all;
+    for (const int grid : kCoarseGrids) {
+        if (coarse) all.push_back({.kind = RendererKind::kReference, .leaf_grid = grid});
+    }
     for (const int grid : kLeafGrids) {
         if (grid <= max_leaf_grid) {
             all.push_back({.kind = RendererKind::kReference, .leaf_grid = grid});
@@ -170,7 +173,7 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                 add({{.kind = kind}});
                 break;
             case RendererKind::kReference:
-                add(reference_settings(max_leaf_grid));
+                add(reference_settings(max_leaf_grid, renderers.size() > 1));
                 break;
             case RendererKind::kAdaptive:
                 add(adaptive_settings(sample));
@@ -179,6 +182,23 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                 add(error_aware_settings(sample, max_leaf_grid));
                 break;
         }
+    }
+    return all;
+}
+
+std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers) {
+    switch (renderers.front()) {
+        case RendererKind::kLod: return {};
+        case RendererKind::kAdaptive:
+            return {{.kind = RendererKind::kAdaptive,
+                     .normaliser = std::numeric_limits<double>::min()}};
+        case RendererKind::kReference: return reference_settings(kLeafGrids.back(), false);
+        case RendererKind::kErrorAware: break;
+    }
+    std::vector<RenderSettings> all;
+    for (const int grid : kLeafGrids) {
+        // Everything to 4 × 4; on from there wherever two rays differ at all.
+        all.push_back({.threshold = -1.0, .leaf_grid = grid, .spread = 0.0});
     }
     return all;
 }

@@ -5,6 +5,7 @@
 // that hundreds of thresholds can be compared; cost is counted in steps, never in seconds.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -18,9 +19,7 @@ struct SearchPixel {
     double weight = 1.0;  // of its error; mean 1 over the sample
     TruthPair truth;
     RefinementRecord record;
-    // For the adaptive renderer: its 3×3 variation and its 2×2 leaf rays.
-    double variation = 0.0;
-    ReplayedPixel two_by_two;
+    double variation = 0.0;  // of the adaptive renderer's 3×3 kernel
 };
 
 struct SearchSample {
@@ -44,11 +43,19 @@ Candidate evaluate(const SearchSample& sample, const RenderSettings& settings);
 /// Error of given colours on the sample.
 MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors);
 
+/// Leaf grids of every pixel that are worth comparing below the reference's 4 × 4, where the plan
+/// is free to choose.
+inline constexpr std::array<int, 3> kCoarseGrids = {1, 2, 3};
+
 /// Settings worth comparing with the leaf grids up to `max_leaf_grid`: thresholds, spreads and
 /// normalisers at quantiles of what the sample shows, from no refinement to all.
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                                                const std::vector<RendererKind>& renderers,
                                                int max_leaf_grid);
+
+/// Settings that refine more and more, whatever the sample showed: for a probe that misses the
+/// target although no error was left on the sample.
+std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers);
 
 /// The candidates that no other beats in both steps and error, cheapest first.
 std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualityTarget& target);

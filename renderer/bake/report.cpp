@@ -38,8 +38,11 @@ Json write_error(const MeasuredError& error, double confidence) {
                  {"psnr_db", optional_json(figures.psnr_db)},
                  {"psnr_db_interval",
                   {optional_json(figures.psnr_low_db), optional_json(figures.psnr_high_db)}},
-                 {"exact", error.mse.value == 0.0 && error.mse.variance == 0.0},
+                 {"exact", error.mse.nothing_found()},
                  {"samples", error.mse.samples}};
+    if (error.mse.nothing_found()) {
+        json["share_of_wrong_pixels_at_most"] = unseen_share(error.mse.samples, confidence);
+    }
     if (error.ssim) {
         const Interval interval = error.ssim->interval(confidence);
         json["ssim"] = error.ssim->value;

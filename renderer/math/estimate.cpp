@@ -66,6 +66,10 @@ Interval Estimate::interval(double confidence) const {
     return {value - s * inverse(z), value - s * inverse(-z)};
 }
 
+double unseen_share(uint64_t samples, double confidence) {
+    return 1.0 - std::pow(1.0 - confidence, 1.0 / static_cast<double>(samples));
+}
+
 double student_t_quantile(double probability, double degrees_of_freedom) {
     return boost::math::quantile(boost::math::students_t(degrees_of_freedom), probability);
 }

@@ -53,9 +53,15 @@ struct Estimate {
     void add(double weight, const Estimate& part);
 
     double standard_error() const;
+    /// Every sample was exactly 0: nothing was found, which does not say that nothing is there.
+    bool nothing_found() const { return samples > 0 && value == 0.0 && variance == 0.0; }
     /// Two-sided interval; infinite on both sides below two samples.
     Interval interval(double confidence) const;
 };
+
+/// Largest share of a population that may differ when none of n independent draws did, at this
+/// confidence (Clopper and Pearson 1934): 0.049 for n = 59 and 0.95.
+double unseen_share(uint64_t samples, double confidence);
 
 /// Quantile of Student's t distribution.
 double student_t_quantile(double probability, double degrees_of_freedom);

@@ -177,7 +177,7 @@ void record_leaves(const RenderScene& scene, const View& view, int x, int y, int
     }
     RaysRecorder recorder(scene, stats);
     for_each_grid_ray(scene, view, x, y, leaf_grid, {}, [&](const Hit& hit) { recorder.add(hit); });
-    record.finer[leaf_grid == 8 ? 0 : 1] = recorder.means();
+    record.grids[static_cast<size_t>(leaf_grid)] = recorder.means();
 }
 
 ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSettings& settings) {
@@ -198,7 +198,7 @@ ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSet
         add_rays(sums, quadrant.leaves, 1.0 / 16);
     }
     for (int grid = 8; grid <= settings.leaf_grid && sums.spread() > settings.spread; grid *= 2) {
-        const RefinementRecord::Rays& finer = record.finer[grid == 8 ? 0 : 1];
+        const RefinementRecord::Rays& finer = record.grids[static_cast<size_t>(grid)];
         add_cost(pixel, finer);
         sums = {};
         add_rays(sums, finer, 1.0 / (grid * grid));
@@ -209,8 +209,8 @@ ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSet
 
 ReplayedPixel replay_reference(const RefinementRecord& record, int leaf_grid) {
     ReplayedPixel pixel;
-    if (leaf_grid > 4) {
-        const RefinementRecord::Rays& rays = record.finer[leaf_grid == 8 ? 0 : 1];
+    if (leaf_grid != 4) {
+        const RefinementRecord::Rays& rays = record.grids[static_cast<size_t>(leaf_grid)];
         add_cost(pixel, rays);
         pixel.color = rays.color;
         return pixel;

@@ -53,14 +53,16 @@ struct RefinementRecord {
     Rays first;
     double first_error = 0.0;
     std::array<Quadrant, 4> quadrants;
-    std::array<Rays, 2> finer;  // 8×8 and 16×16 leaf rays; empty where not recorded
+    /// grid × grid leaf rays of the whole pixel, by grid; empty where not recorded. The 4 × 4 ones
+    /// are the quadrants' leaves.
+    std::array<Rays, 17> grids;
 };
 
 /// Casts the first ray and the four quadrants'; counted in `stats`.
 RefinementRecord record_refinement(const RenderScene& scene, const View& view, int x, int y,
                                    const RenderSettings& settings, CostStats& stats);
 
-/// Adds the leaf rays of one of kLeafGrids.
+/// Adds grid × grid leaf rays, grid ≤ 16.
 void record_leaves(const RenderScene& scene, const View& view, int x, int y, int leaf_grid,
                    RefinementRecord& record, CostStats& stats);
 
@@ -74,7 +76,7 @@ struct ReplayedPixel {
 /// As error_aware_pixel would have it, from a record that holds the leaf grids of the settings.
 ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSettings& settings);
 
-/// As the reference renderer with one of kLeafGrids.
+/// As the reference renderer with a leaf grid that was recorded.
 ReplayedPixel replay_reference(const RefinementRecord& record, int leaf_grid);
 
 /// Spread of the 4×4 leaf rays of a pixel, which is what `RenderSettings::spread` is compared with

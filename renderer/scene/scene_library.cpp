@@ -65,10 +65,16 @@ World make_world(const SceneFile& file, SceneLoadStats& stats) {
     return world;
 }
 
-void save_world(const std::filesystem::path& path, const World& world) {
+/// A cache that cannot be written costs time later, nothing else: a warning.
+void save_world(const std::filesystem::path& path, World& world) {
     const Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
                         {"warnings", world.warnings}};
-    save_tree(path, world.tree, dump_json(notes));
+    try {
+        std::filesystem::create_directories(path.parent_path());
+        save_tree(path, world.tree, dump_json(notes));
+    } catch (const std::runtime_error& error) {
+        world.warnings.push_back(std::string("the scene cache was not written: ") + error.what());
+    }
 }
 
 /// No value where the cache has no whole file of it.

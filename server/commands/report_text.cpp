@@ -16,6 +16,7 @@ std::string error_text(const Json& error) {
                number_or_dash(error["ssim_interval"][0], 4) + ", " +
                number_or_dash(error["ssim_interval"][1], 4) + "]";
     }
+    if (error["exact"].get<bool>()) return "exact";
     return number_or_dash(error["psnr_db"], 1) + " [" +
            number_or_dash(error["psnr_db_interval"][0], 1) + ", " +
            number_or_dash(error["psnr_db_interval"][1], 1) + "]";

@@ -108,18 +108,10 @@ class JobReader {
         const Vec3 counts = reader.vector("counts", 1e9, std::nullopt);
         read_view(reader, probe);
         reader.refuse_unknown();
-        IVec3 count(0);
         for (int axis = 0; axis < 3; ++axis) {
             const std::string pointer = reader.pointer_to("counts") + "/" + std::to_string(axis);
             if (!(counts[axis] >= 1.0) || counts[axis] != std::floor(counts[axis])) {
                 issues_.unacceptable(pointer, "expected an integer of at least 1");
-                return;
-            }
-            count[axis] = static_cast<int>(counts[axis]);
-            const double last_m = origin_m[axis] + spacing_m[axis] * (counts[axis] - 1.0);
-            if (!(std::abs(last_m) <= limits_.max_position_m)) {
-                issues_.unacceptable(reader.pointer_to("spacing_m") + "/" + std::to_string(axis),
-                                     "the grid reaches farther than the largest coordinate");
                 return;
             }
         }
@@ -131,6 +123,15 @@ class JobReader {
                 "the job would have more than " + std::to_string(limits_.max_probes) + " probes");
             return;
         }
+        for (int axis = 0; axis < 3; ++axis) {
+            const double last_m = origin_m[axis] + spacing_m[axis] * (counts[axis] - 1.0);
+            if (!(std::abs(last_m) <= limits_.max_position_m)) {
+                issues_.unacceptable(reader.pointer_to("spacing_m") + "/" + std::to_string(axis),
+                                     "the grid reaches farther than the largest coordinate");
+                return;
+            }
+        }
+        const IVec3 count(counts);
         for (int k = 0; k < count.z; ++k) {
             for (int j = 0; j < count.y; ++j) {
                 for (int i = 0; i < count.x; ++i) {

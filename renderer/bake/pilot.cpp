@@ -70,12 +70,11 @@ class Search {
                 candidates[i] = evaluate(pixels_.sample(), settings[i]);
             });
             pilot.candidates = candidates.size();
-            const bool too_much = std::any_of(
-                candidates.begin(), candidates.end(),
-                [&](const Candidate& candidate) { return !affordable(candidate); });
+            const bool too_much =
+                std::any_of(candidates.begin(), candidates.end(),
+                            [&](const Candidate& candidate) { return !affordable(candidate); });
             best = frontier(std::move(candidates), job_.quality.target);
-            const bool enough =
-                ray_target() ? too_much : cheapest_that_meets(best) < best.size();
+            const bool enough = ray_target() ? too_much : cheapest_that_meets(best) < best.size();
             if (enough || !refines_further) break;
         }
         return best;
@@ -85,10 +84,14 @@ class Search {
     /// rays in every pixel, not the single one that happened to be enough.
     RenderSettings cautious_settings() const {
         switch (plan_.renderers.front()) {
-            case RendererKind::kErrorAware: return {.threshold = -1.0};
-            case RendererKind::kReference: return {.kind = RendererKind::kReference};
-            case RendererKind::kAdaptive: return finest_settings(plan_.renderers).front();
-            case RendererKind::kLod: break;
+            case RendererKind::kErrorAware:
+                return {.threshold = -1.0};
+            case RendererKind::kReference:
+                return {.kind = RendererKind::kReference};
+            case RendererKind::kAdaptive:
+                return finest_settings(plan_.renderers).front();
+            case RendererKind::kLod:
+                break;
         }
         return {.kind = RendererKind::kLod};
     }

@@ -148,8 +148,7 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
             record_leaves(at.scene, at.view, at.owner.x, at.owner.y, grid, pixel.record, stats);
         };
         if (first_time) {
-            pixel.record =
-                record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
+            pixel.record = record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
         }
         if (kind == RendererKind::kLod) return;
         record(leaf_grid);

@@ -188,12 +188,15 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
 
 std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers) {
     switch (renderers.front()) {
-        case RendererKind::kLod: return {};
+        case RendererKind::kLod:
+            return {};
         case RendererKind::kAdaptive:
             return {{.kind = RendererKind::kAdaptive,
                      .normaliser = std::numeric_limits<double>::min()}};
-        case RendererKind::kReference: return reference_settings(kLeafGrids.back(), false);
-        case RendererKind::kErrorAware: break;
+        case RendererKind::kReference:
+            return reference_settings(kLeafGrids.back(), false);
+        case RendererKind::kErrorAware:
+            break;
     }
     std::vector<RenderSettings> all;
     for (const int grid : kLeafGrids) {

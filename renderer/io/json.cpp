@@ -217,7 +217,8 @@ uint64_t ObjectReader::unsigned_integer(std::string_view key, uint64_t max,
         issues_.malformed(pointer_to(key), expected);
         return otherwise;
     }
-    if (!field->is_number_unsigned() || field->get<uint64_t>() > max) {
+    const bool negative = !field->is_number_unsigned() && field->get<int64_t>() < 0;
+    if (negative || field->get<uint64_t>() > max) {
         issues_.unacceptable(pointer_to(key), "is " + field->dump() + ", " + expected);
         return otherwise;
     }

@@ -1,0 +1,168 @@
+#include "bake/bake_probe.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "bake/bake_fixture.h"
+#include "image/exr.h"
+#include "image/metrics.h"
+#include "io/sha256.h"
+
+namespace probebake {
+namespace {
+
+class BakeProbeTest : public testing::Test {
+  protected:
+    ProbeResult bake(const JobSpec& job, const UnitParams& unit = {},
+                     LightingState state = LightingState::kAlbedo) const {
+        const Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), state, cancel_);
+        return bake_probe(scene_, job, pilot, unit, cancel_);
+    }
+
+    Scene scene_ = test::small_scene();
+    CancelToken cancel_;
+};
+
+TEST_F(BakeProbeTest, TheFileHoldsTheCubemapAndWhatIsKnownOfIt) {
+    Json request = test::small_request();
+    request["products"] = {"cube", "aux"};
+    request["near_m"] = 0.25;
+    const JobSpec job = read_job(request);
+    const ProbeResult result = bake(job, {.probe = 1});
+    ASSERT_EQ(result.files.size(), 2u);
+    EXPECT_EQ(result.files[0].name, "cube.exr");
+    EXPECT_EQ(result.files[0].sha256, sha256_hex(result.files[0].bytes));
+    EXPECT_EQ(result.files[0].size_bytes, result.files[0].bytes.size());
+
+    const DecodedCubemap cube = decode_cubemap(result.files[0].bytes, "cube.exr");
+    const ProbeAttributes& attributes = cube.attributes;
+    EXPECT_EQ(attributes.id, "p1");
+    EXPECT_EQ(attributes.state, "albedo");
+    EXPECT_EQ(attributes.unit, "1");
+    EXPECT_EQ(attributes.position_m, job.probes[1].position_m);
+    EXPECT_EQ(attributes.near_m, 0.25);
+    EXPECT_EQ(attributes.far_m, result.far_m);
+    EXPECT_EQ(attributes.scene_sha256, scene_.sha256);
+    EXPECT_EQ(attributes.seed, 7u);
+    EXPECT_TRUE(attributes.valid);
+    const double mse = result.certificate.error.mse.value;
+    EXPECT_NEAR(attributes.numbers.at("probe:err:rmse"), std::sqrt(mse), 1e-12);
+    EXPECT_EQ(attributes.numbers.at("probe:err:pixels"), 64.0);
+
+    const RenderScene what = render_scene(scene_, job.probes[1], LightingState::kAlbedo);
+    const CubemapRender expected = render_cubemap(what, scene_.to_voxels(job.probes[1].position_m),
+                                                  16, result.settings, cancel_);
+    EXPECT_TRUE(cube.cubemap == rounded_to_file(expected.color));
+    EXPECT_EQ(result.render_cost().steps, expected.total().steps);
+
+    const CubeAux aux = decode_aux(result.files[1].bytes, "aux.exr").aux;
+    ASSERT_EQ(aux.pixels.size(), expected.aux.size());
+    for (size_t i = 0; i < aux.pixels.size(); ++i) {
+        EXPECT_NEAR(aux.pixels[i].z_m, expected.aux[i].distance * 0.25f, 1e-4f);
+        EXPECT_EQ(static_cast<float>(aux.pixels[i].samples), expected.aux[i].samples);
+        EXPECT_LE(aux.pixels[i].z_m, static_cast<float>(result.far_m) * 1.0001f);
+    }
+}
+
+TEST_F(BakeProbeTest, TheSameBytesForAnyNumberOfThreads) {
+    const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
+    Json request = test::small_request();
+    request["products"] = {"cube", "aux"};
+    const JobSpec job = read_job(request);
+    const Pilot pilot =
+        run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
+    const ProbeResult one = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
+    for (const int threads : {1, 2, 7}) {
+        tbb::task_arena arena(threads);
+        ProbeResult many;
+        arena.execute([&] { many = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_); });
+        ASSERT_EQ(many.files.size(), one.files.size());
+        for (size_t i = 0; i < one.files.size(); ++i) {
+            EXPECT_EQ(many.files[i].sha256, one.files[i].sha256) << threads;
+        }
+    }
+}
+
+TEST_F(BakeProbeTest, AProbeThatMissesTheTargetIsRefinedFurther) {
+    // A pilot that was far too hopeful.
+    const JobSpec job = test::small_job(2, {{"psnr_db", 30.0}});
+    Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
+    const RenderSettings good = pilot.settings;
+    pilot.settings = {.kind = RendererKind::kLod};
+    pilot.settings_mse = pilot.curve.front().error.mse.value;
+    pilot.finer.insert(pilot.finer.begin(), {good, std::pow(10.0, -3.0)});
+    const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
+    EXPECT_GE(result.looks, 2);
+    EXPECT_GT(result.earlier_renders.rays, 0u);
+    EXPECT_GT(result.decision_cost.rays, 0u);
+    EXPECT_FALSE(result.settings == pilot.settings);
+    EXPECT_LT(result.certificate.error.mse.value, 2e-3);
+}
+
+TEST_F(BakeProbeTest, LimitsHold) {
+    Json request = test::small_request(2, {{"psnr_db", 50.0}});
+    request["budget"]["rays"] = 20'000;
+    const JobSpec budget = read_job(request);
+    const ProbeResult limited = bake(budget, {.probe = 1});
+    EXPECT_LE(limited.render_cost().all_rays(), 10'000u);
+    EXPECT_EQ(limited.looks, 1);
+    const JobSpec rays = test::small_job(2, {{"rays", 9'000}});
+    EXPECT_LE(bake(rays).render_cost().all_rays(), 9'000u);
+    EXPECT_EQ(ray_limit(rays, rays.probes[0]), 9'000u);
+    EXPECT_FALSE(ray_limit(test::small_job(), test::small_job().probes[0]));
+
+    const ProbeResult late = bake(test::small_job(), {.probe = 0, .out_of_time = true});
+    EXPECT_EQ(late.settings.kind, RendererKind::kLod);
+    EXPECT_TRUE(late.limited);
+}
+
+TEST_F(BakeProbeTest, WithoutEvidenceNothingIsAudited) {
+    Json request = test::small_request();
+    request["quality"]["evidence"] = {{"audit", false}};
+    const ProbeResult result = bake(read_job(request));
+    EXPECT_EQ(result.certificate.pixels, 0u);
+    EXPECT_EQ(result.decision_cost.rays, 0u);
+    const DecodedCubemap cube = decode_cubemap(result.files[0].bytes, "cube.exr");
+    EXPECT_FALSE(cube.attributes.numbers.contains("probe:err:rmse"));
+}
+
+TEST_F(BakeProbeTest, EmissionIsASeparateState) {
+    // Two walls: one reflects, one emits 2^20.
+    VoxelCloud cloud{.emission_scale = 1048576.0f, .depth = 4};
+    for (int a = 0; a < 16; ++a) {
+        for (int b = 0; b < 16; ++b) {
+            cloud.voxels.push_back(make_voxel({12, a, b}, pack_rgb(Rgb(0.5f))));
+            cloud.voxels.push_back(
+                make_voxel({a, 15, b}, pack_rgb(Rgb(0.25f)), pack_rgb(Rgb(1.0f)), 1));
+        }
+    }
+    scene_.tree = VoxelTree::build(cloud);
+    Json request = test::small_request(1);
+    const Vec3 p = scene_.to_metres(Vec3(4.5, 4.5, 4.5));
+    request["probes"]["list"][0]["position_m"] = {p.x, p.y, p.z};
+    request["lighting_states"] = {"albedo", "emission"};
+    request["face_size_px"] = 8;
+    const JobSpec job = read_job(request);
+    const auto brightest = [&](LightingState state) {
+        const ProbeResult result = bake(job, {}, state);
+        EXPECT_EQ(result.is_float, state == LightingState::kEmission);
+        float most = 0.0f;
+        const Cubemap cube = decode_cubemap(result.files[0].bytes, "").cubemap;
+        for (const Rgb& pixel : cube.image().pixels()) most = std::max(most, pixel.g);
+        return most;
+    };
+    EXPECT_EQ(brightest(LightingState::kAlbedo), 0.5f);
+    EXPECT_EQ(brightest(LightingState::kEmission), 1048576.0f);  // a 1e6 emitter survives
+}
+
+TEST_F(BakeProbeTest, AuditPixelsGrowWithTheCube) {
+    EXPECT_EQ(audit_pixels({}, 16), 64);
+    EXPECT_EQ(audit_pixels({}, 64), 245);
+    EXPECT_EQ(audit_pixels({.pixels_per_probe = 999}, 16), 999);
+}
+
+}  // namespace
+}  // namespace probebake

@@ -14,6 +14,11 @@ int main(int argc, char** argv) {
     CommandWork work;
     add_bake_command(app, work);
     add_check_command(app, work);
+    add_client_commands(app, work);
+    add_preview_command(app, work);
+    add_scene_command(app, work);
+    add_serve_command(app, work);
+    add_study_command(app, work);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

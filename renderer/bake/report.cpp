@@ -116,29 +116,6 @@ struct Costs {
     }
 };
 
-Json write_scene(const Scene& scene) {
-    const VoxelTree& tree = scene.tree;
-    const SceneLoadStats& load = scene.load;
-    return {{"name", scene.name},
-            {"sha256", scene.sha256},
-            {"author", scene.author},
-            {"licence", scene.licence},
-            {"voxel_size_m", scene.voxel_size_m},
-            {"corner_m", {scene.corner_m.x, scene.corner_m.y, scene.corner_m.z}},
-            {"depth", tree.depth()},
-            {"voxels", tree.voxel_count()},
-            {"octree_nodes", tree.octree_node_count()},
-            {"bytes", tree.memory_bytes()},
-            {"load",
-             {{"seconds", load.total_seconds},
-              {"from_cache", load.from_cache},
-              {"import_seconds", load.import_seconds},
-              {"sort_seconds", load.build.sort_seconds},
-              {"tree_seconds", load.build.tree_seconds},
-              {"color_seconds", load.build.color_seconds},
-              {"build_peak_bytes", load.build.peak_bytes}}}};
-}
-
 Json write_state(const BakeRecord& record, const Pilot& pilot) {
     const double confidence = record.job.quality.evidence.confidence;
     const MeasuredError pooled = pooled_error(record, pilot.state);
@@ -170,6 +147,29 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
 }
 
 }  // namespace
+
+Json write_scene(const Scene& scene) {
+    const VoxelTree& tree = scene.tree;
+    const SceneLoadStats& load = scene.load;
+    return {{"name", scene.name},
+            {"sha256", scene.sha256},
+            {"author", scene.author},
+            {"licence", scene.licence},
+            {"voxel_size_m", scene.voxel_size_m},
+            {"corner_m", {scene.corner_m.x, scene.corner_m.y, scene.corner_m.z}},
+            {"depth", tree.depth()},
+            {"voxels", tree.voxel_count()},
+            {"octree_nodes", tree.octree_node_count()},
+            {"bytes", tree.memory_bytes()},
+            {"load",
+             {{"seconds", load.total_seconds},
+              {"from_cache", load.from_cache},
+              {"import_seconds", load.import_seconds},
+              {"sort_seconds", load.build.sort_seconds},
+              {"tree_seconds", load.build.tree_seconds},
+              {"color_seconds", load.build.color_seconds},
+              {"build_peak_bytes", load.build.peak_bytes}}}};
+}
 
 std::string_view name_of(Verdict verdict) {
     constexpr std::array<std::string_view, 5> kNames = {

@@ -59,6 +59,9 @@ Json write_report(const BakeRecord& record);
 Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeResult& result,
                      const MeasuredError& pooled);
 
+/// Name, size and place of a scene, and what loading it took.
+Json write_scene(const Scene& scene);
+
 /// Version, compiler, kernels and machine: what the determinism of the bytes is promised for.
 Json provenance(int threads);
 

@@ -101,12 +101,33 @@ class VoxelTree {
     bool occupied(const IVec3& position) const;
     /// The voxel's index in ColorPyramid order, or no value where it is empty.
     std::optional<uint32_t> find_voxel(const IVec3& position) const;
+    /// Calls visit(position) for every voxel in Morton order, which is the order of their colours.
+    template <class Visit>
+    void for_each_voxel(Visit visit) const {
+        if (!empty()) visit_node(node_levels() - 1, 0, 0, visit);
+    }
+
     const ColorPyramid& colors() const { return colors_; }
     void set_colors(ColorPyramid colors) { colors_ = std::move(colors); }
 
     bool operator==(const VoxelTree&) const = default;
 
   private:
+    /// `code`: the Morton code of the node at its own level.
+    template <class Visit>
+    void visit_node(int k, uint32_t index, uint64_t code, Visit& visit) const {
+        const VoxelNode& node = nodes_[index];
+        uint32_t child = node.first_child;
+        for (uint64_t rest = node.mask; rest != 0; rest &= rest - 1, ++child) {
+            const uint64_t cell = code << 6 | static_cast<uint64_t>(std::countr_zero(rest));
+            if (k == 0) {
+                visit(morton_decode(cell));
+            } else {
+                visit_node(k - 1, child, cell, visit);
+            }
+        }
+    }
+
     int depth_ = 2;
     std::vector<VoxelNode> nodes_;
     std::vector<uint64_t> level_begin_{0};  // from the root's level down, plus the end

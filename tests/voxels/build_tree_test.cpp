@@ -39,6 +39,11 @@ TEST(BuildTree, HoldsExactlyTheVoxelsGiven) {
             ASSERT_EQ(*found, index++) << name;
             ASSERT_EQ(tree.colors().albedo.voxels[*found], color) << name;
         }
+        auto next = expected.begin();
+        tree.for_each_voxel([&](const IVec3& position) {
+            ASSERT_EQ(position, morton_decode((next++)->first)) << name;
+        });
+        ASSERT_EQ(next, expected.end()) << name;
         RandomStream random(5);
         for (int i = 0; i < 2000; ++i) {
             const uint64_t code = random.below(uint64_t{1} << (3 * cloud.depth));

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Changes whenever an importer or generator makes other voxels of the same file.
 constexpr std::string_view kImportVersion = "probebake voxels 1\n";
-constexpr uint64_t kMaxSceneFileBytes = 64 * 1024;
+constexpr uint64_t kMaxSceneFileBytes = uint64_t{64} << 10;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();

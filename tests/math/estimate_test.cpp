@@ -97,6 +97,12 @@ TEST(Estimate, TooFewOrEqualSamples) {
     const Interval exact = Estimate::of_mean(moments).interval(0.95);
     EXPECT_EQ(exact.low, 3.0);
     EXPECT_EQ(exact.high, 3.0);
+    EXPECT_FALSE(Estimate::of_mean(moments).nothing_found());
+    Moments zeros;
+    for (int i = 0; i < 59; ++i) zeros.add(0.0);
+    EXPECT_TRUE(Estimate::of_mean(zeros).nothing_found());
+    EXPECT_NEAR(unseen_share(59, 0.95), 0.0495, 1e-4);
+    EXPECT_NEAR(unseen_share(2995, 0.95), 0.001, 1e-6);
 }
 
 }  // namespace

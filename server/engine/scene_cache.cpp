@@ -37,7 +37,9 @@ std::shared_ptr<const Scene> SceneCache::get(const SceneFile& file, const Cancel
     join_loaders();
     if (entry->failure) std::rethrow_exception(entry->failure);
     entry->last_use = ++uses_;
-    return entry->scene;
+    std::shared_ptr<const Scene> scene = entry->scene;
+    evict();
+    return scene;
 }
 
 void SceneCache::load(const SceneFile& file, const std::string& key,
@@ -57,7 +59,6 @@ void SceneCache::load(const SceneFile& file, const std::string& key,
     entry->last_use = ++uses_;
     entry->loading = false;
     if (failure) entries_.erase(key);  // the next one who asks tries again
-    evict();
     changed_.notify_all();
 }
 

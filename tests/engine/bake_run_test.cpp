@@ -1,0 +1,115 @@
+#include "engine/bake_run.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "bake/bake_fixture.h"
+
+namespace probebake {
+namespace {
+
+class BakeRunTest : public testing::Test {
+  protected:
+    struct Outcome {
+        std::map<std::string, std::string> sha256;  // by probe/state/file
+        std::vector<BakeProgress> progress;
+        std::vector<Json> rows;
+        Json report;
+    };
+
+    Outcome bake(const JobSpec& job, int threads) {
+        RenderPool pool(threads);
+        Outcome out;
+        BakeParams params = this->params(job, pool);
+        params.sink = [&](const ProbeSpec& probe, const ProbeResult& result) {
+            for (const ProductFile& file : result.files) {
+                EXPECT_EQ(file.bytes.size(), file.size_bytes);
+                out.sha256[probe.id + "/" + std::string(name_of(result.state)) + "/" + file.name] =
+                    file.sha256;
+            }
+        };
+        params.on_progress = [&](const BakeProgress& p) { out.progress.push_back(p); };
+        params.row_sink = [&](const Json& row) { out.rows.push_back(row); };
+        out.report = run_bake(params);
+        return out;
+    }
+    BakeParams params(const JobSpec& job, RenderPool& pool) {
+        return {.job = job,
+                .scene = [&](const CancelToken&) { return scene_; },
+                .pool = pool,
+                .cancel = cancel_};
+    }
+
+    std::shared_ptr<const Scene> scene_ = std::make_shared<const Scene>(test::small_scene());
+    CancelToken cancel_;
+};
+
+TEST_F(BakeRunTest, BakesEveryProbeInEveryStateWithTheSameBytesForAnyThreadCount) {
+    Json request = test::small_request(5, {{"psnr_db", 28.0}});
+    request["lighting_states"] = {"albedo", "emission"};
+    request["products"] = {"cube", "aux"};
+    const JobSpec job = read_job(request);
+    const Outcome one = bake(job, 1);
+    EXPECT_EQ(one.sha256.size(), 5u * 2 * 2);
+    ASSERT_EQ(one.rows.size(), 10u);
+    EXPECT_EQ(one.rows[3]["probe"], "p1");
+    EXPECT_EQ(one.rows[3]["state"], "emission");
+    EXPECT_EQ(one.report["totals"]["cubemaps"], 10u);
+    for (const int threads : {2, 7}) EXPECT_EQ(bake(job, threads).sha256, one.sha256) << threads;
+}
+
+TEST_F(BakeRunTest, ReportsProgressThroughItsPhases) {
+    const Outcome out = bake(test::small_job(4), 2);
+    std::set<BakePhase> phases;
+    uint64_t done = 0;
+    for (const BakeProgress& progress : out.progress) {
+        phases.insert(progress.phase);
+        EXPECT_GE(progress.units_done, done);
+        done = progress.units_done;
+        EXPECT_EQ(progress.units, 4u);
+    }
+    EXPECT_EQ(phases.size(), 4u);
+    EXPECT_EQ(done, 4u);
+    EXPECT_NEAR(*out.progress.back().seconds_left, 0.0, 1e-9);
+}
+
+TEST_F(BakeRunTest, CancellingStopsBeforeTheNextUnit) {
+    const JobSpec job = test::small_job(50);
+    RenderPool pool(2);
+    BakeParams params = this->params(job, pool);
+    int published = 0;
+    params.sink = [&](const ProbeSpec&, const ProbeResult&) {
+        if (++published == 2) cancel_.cancel();
+    };
+    EXPECT_THROW(run_bake(params), Cancelled);
+    EXPECT_LE(published, 4);
+}
+
+TEST_F(BakeRunTest, AFailingSinkFailsTheBake) {
+    const JobSpec job = test::small_job(4);
+    RenderPool pool(2);
+    BakeParams params = this->params(job, pool);
+    params.sink = [](const ProbeSpec&, const ProbeResult&) {
+        throw std::runtime_error("the disk is full");
+    };
+    EXPECT_THROW(run_bake(params), std::runtime_error);
+}
+
+TEST_F(BakeRunTest, ABudgetOfSecondsIsKept) {
+    Json request = test::small_request(40, {{"psnr_db", 60.0}});
+    request["face_size_px"] = 48;
+    request["budget"]["seconds"] = 0.5;
+    const Outcome out = bake(read_job(request), 2);
+    EXPECT_EQ(out.report["deterministic"], false);
+    EXPECT_LT(out.report["totals"]["wall_seconds"].get<double>(), 5.0);
+    EXPECT_EQ(out.sha256.size(), 40u);
+    int exhausted = 0;
+    for (const Json& row : out.rows) exhausted += row["result"] == "budget_exhausted" ? 1 : 0;
+    EXPECT_GT(exhausted, 20);
+}
+
+}  // namespace
+}  // namespace probebake

@@ -1,0 +1,103 @@
+#include "engine/scene_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "io/file.h"
+
+namespace probebake {
+namespace {
+
+using namespace std::chrono_literals;
+
+class SceneCacheTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+        folder_ = std::filesystem::path(testing::TempDir()) / ("probebake-cache-" + test);
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    SceneFile scene(const std::string& name, const std::string& generator, int size) const {
+        write_file_atomically(folder_ / (name + ".json"),
+                              R"({"type": "generator", "generator": ")" + generator +
+                                  R"(", "size": )" + std::to_string(size) + "}");
+        return read_scene_file(folder_ / (name + ".json"));
+    }
+
+    std::filesystem::path folder_;
+    RenderPool pool_{2};
+    CancelToken cancel_;
+};
+
+TEST_F(SceneCacheTest, LoadsAScenOnceForEverybody) {
+    SceneCache cache(pool_, {});
+    const SceneFile file = scene("ball", "sphere", 64);
+    std::vector<std::shared_ptr<const Scene>> scenes(8);
+    {
+        std::vector<std::jthread> askers;
+        for (auto& slot : scenes) {
+            askers.emplace_back([&] { slot = cache.get(file, cancel_); });
+        }
+    }
+    for (const auto& one : scenes) EXPECT_EQ(one, scenes.front());
+    EXPECT_EQ(cache.get(file, cancel_), scenes.front());
+    EXPECT_EQ(cache.memory_bytes(), scenes.front()->tree.memory_bytes());
+}
+
+TEST_F(SceneCacheTest, AChangedFileIsLoadedAnew) {
+    SceneCache cache(pool_, {});
+    const auto first = cache.get(scene("ball", "sphere", 64), cancel_);
+    const auto second = cache.get(scene("ball", "sphere", 128), cancel_);
+    EXPECT_NE(first, second);
+    EXPECT_LT(first->tree.voxel_count(), second->tree.voxel_count());
+}
+
+TEST_F(SceneCacheTest, ScenesThatNobodyHoldsMakeRoom) {
+    const SceneFile a = scene("a", "sphere", 128);
+    const SceneFile b = scene("b", "box", 128);
+    const SceneFile c = scene("c", "stairs", 128);
+    SceneCache cache(pool_, {.memory_budget_bytes = 1});
+    std::shared_ptr<const Scene> held = cache.get(a, cancel_);
+    cache.get(b, cancel_);
+    cache.get(c, cancel_);
+    // The held one stays, however small the budget; of the others at most the last one.
+    EXPECT_EQ(cache.get(a, cancel_), held);
+    EXPECT_LE(cache.memory_bytes(),
+              held->tree.memory_bytes() + cache.get(c, cancel_)->tree.memory_bytes());
+}
+
+TEST_F(SceneCacheTest, AFailureIsToldAndTriedAgain) {
+    write_file_atomically(folder_ / "m.vox", std::string("VOX nonsense"));
+    write_file_atomically(folder_ / "m.json",
+                          std::string(R"({"type": "vox", "file": "m.vox", "voxel_size_m": 1})"));
+    const SceneFile file = read_scene_file(folder_ / "m.json");
+    SceneCache cache(pool_, {});
+    EXPECT_THROW(cache.get(file, cancel_), IoError);
+    EXPECT_THROW(cache.get(file, cancel_), IoError);
+    EXPECT_EQ(cache.memory_bytes(), 0u);
+}
+
+TEST_F(SceneCacheTest, ACancelledJobStopsWaitingAtOnce) {
+    const SceneFile file = scene("big", "forest", 512);
+    SceneCache cache(pool_, {});
+    CancelToken cancel;
+    std::jthread canceller([&] {
+        std::this_thread::sleep_for(20ms);
+        cancel.cancel();
+    });
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        cache.get(file, cancel);  // may be done sooner on a fast machine
+    } catch (const Cancelled&) {
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, 1s);
+    EXPECT_GT(cache.get(file, cancel_)->tree.voxel_count(), 0u);  // the load went on
+}
+
+}  // namespace
+}  // namespace probebake

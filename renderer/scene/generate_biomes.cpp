@@ -63,7 +63,7 @@ class Biomes {
     River outflow_;
     Town town_;
     Hamlet hamlet_;
-    Eroded eroded_;
+    Grid eroded_m_;
 };
 
 Biomes::Biomes(uint64_t seed)
@@ -83,7 +83,7 @@ Biomes::Biomes(uint64_t seed)
                random_key({seed, 47})),
       town_{kTown_m, {62.0, 40.0}},
       hamlet_(plan_hamlet(kHamlet_m, 22.0, 0.0, random_key({seed, 48}))),
-      eroded_(
+      eroded_m_(
           erode([this](const Vec2& at) { return uplift_m(at); },
                 {0.012, [this](const Vec2& at, double h) { return talus(at, h); },
                  [this](const Vec2& at) { return settled_m(at) < 4.0 || water_m(at) > -3.0; }})) {}
@@ -121,7 +121,7 @@ double Biomes::uplift_m(const Vec2& at) const {
 double Biomes::height_m(const Vec2& at) const {
     const Climate c = climate(at);
     const Vec2 p = at + 3.5 * detail_.warp(at, {20.0, 3});
-    const double coarse = eroded_.height_m.sample(p);
+    const double coarse = eroded_m_.sample(p);
     const double wild = smooth_step(0.0, 14.0, settled_m(at));
     const double rough = smooth_step(-0.1, 0.4, shape_.fbm(at, {65.0, 3}));
     const double crag = detail_.ridged(at, {20.0, 5, 0.55}) - 0.4;

@@ -64,7 +64,7 @@ class Desert {
     Town town_;
     River river_;
     Grid edge_m_;
-    Eroded eroded_;
+    Grid eroded_m_;
 };
 
 Desert::Desert(uint64_t seed)
@@ -76,9 +76,9 @@ Desert::Desert(uint64_t seed)
       town_{valley_.at(kTownShare) + Vec2(0.0, -22.0), {94.0, 44.0}},
       river_({river_course(), 4.2, 44.6, 39.5}, random_key({seed, 34})),
       edge_m_(256, [this](const Vec2& at) { return valley_edge_m(at); }),
-      eroded_(erode([this](const Vec2& at) { return uplift_m(at); },
-                    {0.008, [this](const Vec2& at, double h) { return talus(at, h); },
-                     [this](const Vec2& at) { return edge_m_.sample(at) < 0.0; }})) {}
+      eroded_m_(erode([this](const Vec2& at) { return uplift_m(at); },
+                      {0.008, [this](const Vec2& at, double h) { return talus(at, h); },
+                       [this](const Vec2& at) { return edge_m_.sample(at) < 0.0; }})) {}
 
 std::vector<Vec2> Desert::river_course() const {
     const Vec2 south = town_.center_m + Vec2(0.0, town_.half_m.y + 19.0);
@@ -134,7 +134,7 @@ double Desert::dark_wood_share(const Vec2& at) const {
 
 double Desert::height_m(const Vec2& at) const {
     const Vec2 p = at + 3.0 * detail_.warp(at, {17.0, 3});
-    const double coarse = eroded_.height_m.sample(p);
+    const double coarse = eroded_m_.sample(p);
     const double dunes = dunes_m(at);
     const double rough =
         smooth_step(1.5, 8.0, coarse - floor_m(at)) * (1.0 - smooth_step(0.0, 1.5, dunes));

@@ -95,8 +95,8 @@ void wear_down(Grid& height, const Flow& flow, const Grid& fixed, const Grid& st
 
 }  // namespace
 
-Eroded erode(const std::function<double(const Vec2&)>& initial_height_m,
-             const ErosionParams& params) {
+Grid erode(const std::function<double(const Vec2&)>& initial_height_m,
+           const ErosionParams& params) {
     Grid height(kStages.front().first, initial_height_m);
     for (const auto& [side, steps] : kStages) {
         if (side != height.side()) {
@@ -117,9 +117,7 @@ Eroded erode(const std::function<double(const Vec2&)>& initial_height_m,
             }
         }
     }
-    const Flow flow = priority_flood(height);
-    Grid drainage = drainage_area(height, flow);
-    return {std::move(height), std::move(drainage)};
+    return height;
 }
 
 }  // namespace probebake::worldgen

@@ -22,12 +22,7 @@ struct ErosionParams {
     std::function<bool(const Vec2& at_m)> fixed;
 };
 
-struct Eroded {
-    Grid height_m;
-    Grid drainage_m2;  // area that drains through the cell
-};
-
-Eroded erode(const std::function<double(const Vec2&)>& initial_height_m,
-             const ErosionParams& params);
+/// The heights that are left, in metres.
+Grid erode(const std::function<double(const Vec2&)>& initial_height_m, const ErosionParams& params);
 
 }  // namespace probebake::worldgen

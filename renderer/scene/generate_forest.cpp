@@ -52,7 +52,7 @@ class Forest {
     River river_;
     Hamlet hamlet_;
     Grid edge_m_;
-    Eroded eroded_;
+    Grid eroded_m_;
 };
 
 Forest::Forest(uint64_t seed)
@@ -68,9 +68,9 @@ Forest::Forest(uint64_t seed)
       hamlet_(plan_hamlet(river_.curve().at(kBridge) + Vec2(46.0, -6.0), 27.0, 0.0,
                           random_key({seed, 25}))),
       edge_m_(256, [this](const Vec2& at) { return valley_edge_m(at); }),
-      eroded_(erode([this](const Vec2& at) { return uplift_m(at); },
-                    {0.016, [this](const Vec2& at, double) { return talus(at); },
-                     [this](const Vec2& at) { return edge_m_.sample(at) < 0.0; }})) {}
+      eroded_m_(erode([this](const Vec2& at) { return uplift_m(at); },
+                      {0.016, [this](const Vec2& at, double) { return talus(at); },
+                       [this](const Vec2& at) { return edge_m_.sample(at) < 0.0; }})) {}
 
 double Forest::valley_edge_m(const Vec2& at) const {
     const double away = river_.curve().nearest(at, 400.0).distance_m;
@@ -101,7 +101,7 @@ double Forest::density(const Vec2& at) const {
 
 double Forest::height_m(const Vec2& at) const {
     const Vec2 p = at + 3.5 * detail_.warp(at, {22.0, 2});
-    const double coarse = eroded_.height_m.sample(p);
+    const double coarse = eroded_m_.sample(p);
     const double wild = smooth_step(0.0, 14.0, coarse - 46.0);
     const double crag = detail_.ridged(at, {24.0, 5, 0.55}) - 0.35;
     const double rock = coarse + wild * (0.8 + 6.5 * rocky(at)) * crag;

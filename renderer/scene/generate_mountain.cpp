@@ -50,7 +50,7 @@ class Mountain {
     Lake lake_;
     Hamlet hamlet_;
     Grid edge_m_;
-    Eroded eroded_;
+    Grid eroded_m_;
 };
 
 Mountain::Mountain(uint64_t seed)
@@ -63,9 +63,9 @@ Mountain::Mountain(uint64_t seed)
       lake_({{88.0, 442.0}, {58.0, 40.0}, kLake_m, 6.0}, random_key({seed, 14})),
       hamlet_(plan_hamlet(kHamlet_m, 24.0, 0.9, random_key({seed, 15}))),
       edge_m_(256, [this](const Vec2& at) { return trough_edge_m(at); }),
-      eroded_(erode([this](const Vec2& at) { return uplift_m(at); },
-                    {0.014, [this](const Vec2& at, double) { return talus(at); },
-                     [this](const Vec2& at) { return edge_m_.sample(at) < 0.0; }})) {}
+      eroded_m_(erode([this](const Vec2& at) { return uplift_m(at); },
+                      {0.014, [this](const Vec2& at, double) { return talus(at); },
+                       [this](const Vec2& at) { return edge_m_.sample(at) < 0.0; }})) {}
 
 double Mountain::trough_edge_m(const Vec2& at) const {
     const double away = trough_.nearest(at, 120.0).distance_m;
@@ -103,7 +103,7 @@ double Mountain::density(const Vec2& at, double height_m) const {
 
 double Mountain::height_m(const Vec2& at) const {
     const Vec2 p = at + 4.0 * detail_.warp(at, {24.0, 3});
-    const double coarse = eroded_.height_m.sample(p);
+    const double coarse = eroded_m_.sample(p);
     const double wild = smooth_step(-2.0, 14.0, edge_m_.sample(at));
     const double rough = smooth_step(-0.1, 0.4, shape_.fbm(at, {70.0, 3}));
     const double crag = detail_.ridged(at, {27.0, 5, 0.55}) - 0.4;

@@ -62,7 +62,7 @@ class AuditRun {
     Audit run() {
         audit_pixels();
         if (spec_.windows > 0) audit_windows();
-        return std::move(audit_);
+        return audit_;
     }
 
   private:

@@ -58,7 +58,7 @@ void PilotSample::choose_places() {
     sample_.windows = job_.quality.target.metric == QualityTarget::Metric::kSsim;
     uint64_t squares = pixels;
     if (sample_.windows) {
-        squares = std::clamp(pixels / (kSsimWindow_px * kSsimWindow_px), kMinWindows, kMaxWindows);
+        squares = std::clamp(pixels / kSsimWindow_px / kSsimWindow_px, kMinWindows, kMaxWindows);
     }
     for (uint64_t i = 0; i < squares; ++i) {
         add_square(probes[i % used], random, sample_.windows ? kSsimWindow_px : 1);
@@ -183,7 +183,8 @@ double PilotSample::variation_at(const Target& at, CostStats& stats) const {
 CurvePoint PilotSample::render(const RenderSettings& settings) {
     std::vector<Rgb> colors(places_.size());
     const CostStats cost = for_each_pixel([&](const Target& at, CostStats& stats) {
-        const auto [x, y] = std::pair(at.owner.x, at.owner.y);
+        const int x = at.owner.x;
+        const int y = at.owner.y;
         const auto render_pixel = [&]() -> PixelSums {
             switch (settings.kind) {
                 case RendererKind::kReference:

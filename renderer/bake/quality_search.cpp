@@ -146,6 +146,7 @@ std::vector<RenderSettings> error_aware_settings(const SearchSample& sample, int
     thresholds.push_back(0.0);
     thresholds.push_back(-1.0);
     std::vector<RenderSettings> all;
+    all.reserve(thresholds.size());
     for (const double threshold : thresholds) all.push_back({.threshold = threshold});
     for (const int grid : kLeafGrids) {
         if (grid == 4 || grid > max_leaf_grid) continue;
@@ -199,6 +200,7 @@ std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& ren
             break;
     }
     std::vector<RenderSettings> all;
+    all.reserve(kLeafGrids.size());
     for (const int grid : kLeafGrids) {
         // Everything to 4 × 4; on from there wherever two rays differ at all.
         all.push_back({.threshold = -1.0, .leaf_grid = grid, .spread = 0.0});
@@ -216,10 +218,8 @@ std::vector<Candidate> frontier(std::vector<Candidate> candidates, const Quality
                          return a.steps_per_pixel < b.steps_per_pixel;
                      });
     std::vector<Candidate> kept;
-    for (Candidate& candidate : candidates) {
-        if (kept.empty() || badness(candidate) < badness(kept.back())) {
-            kept.push_back(std::move(candidate));
-        }
+    for (const Candidate& candidate : candidates) {
+        if (kept.empty() || badness(candidate) < badness(kept.back())) kept.push_back(candidate);
     }
     return kept;
 }

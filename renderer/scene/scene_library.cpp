@@ -8,7 +8,7 @@
 #include "io/file.h"
 #include "io/json.h"
 #include "io/sha256.h"
-#include "scene/vox_import.h"
+#include "scene/vox/vox_import.h"
 #include "voxels/tree_file.h"
 
 namespace probebake {

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/generate_scene.h"
+#include "scene/generators/generators.h"
 #include "scene/scene.h"
 
 namespace probebake {

@@ -1,5 +1,7 @@
-// probebake scene info FILE_OR_SCENE: what a scene is and what it takes to load.
+// probebake scene info FILE_OR_SCENE: what a scene is and what it takes to load; scene probes:
+// positions to begin with.
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -8,6 +10,7 @@
 #include "commands/local_job.h"
 #include "commands/terminal.h"
 #include "engine/render_pool.h"
+#include "scene/suggest_probes.h"
 
 namespace probebake {
 namespace {
@@ -16,6 +19,8 @@ struct SceneInfoOptions {
     std::string scene;
     SceneOptions scenes;
     bool json = false;
+    int count = 8;
+    uint64_t seed = 1;
 };
 
 /// A .vox file has no voxel size of its own: its figures are shown for voxels of one metre.
@@ -115,6 +120,25 @@ int scene_info(const SceneInfoOptions& options) {
     return 0;
 }
 
+/// A job's `probes`, ready to be pasted into a request.
+int scene_probes(const SceneInfoOptions& options) {
+    const SceneFile file = find_scene_or_vox(options);
+    RenderPool pool(options.scenes.threads);
+    Json probes = {{"list", Json::array()}};
+    pool.run([&] {
+        const Scene scene = load_scene(file, options.scenes.cache);
+        for (const Vec3& p : suggest_probes(scene, options.count, options.seed)) {
+            const std::string id = "p" + std::to_string(probes["list"].size());
+            const auto centimetres = [](double x) { return std::round(100.0 * x) / 100.0; };
+            probes["list"].push_back(
+                {{"id", id},
+                 {"position_m", {centimetres(p.x), centimetres(p.y), centimetres(p.z)}}});
+        }
+    });
+    std::cout << dump_json(probes, 2) << '\n';
+    return 0;
+}
+
 }  // namespace
 
 void add_scene_command(CLI::App& app, CommandWork& work) {
@@ -128,6 +152,16 @@ void add_scene_command(CLI::App& app, CommandWork& work) {
     info->add_flag("--json", options->json, "Print the description as JSON");
     options->scenes.add_to(*info);
     info->callback([options, &work] { work = [options] { return scene_info(*options); }; });
+
+    auto* probes =
+        scene->add_subcommand("probes", "Suggest probe positions in free air, as JSON for a request");
+    probes->add_option("scene", options->scene, "As for scene info")->required();
+    probes->add_option("--count", options->count, "How many at most")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str();
+    probes->add_option("--seed", options->seed, "Of their choice")->capture_default_str();
+    options->scenes.add_to(*probes);
+    probes->callback([options, &work] { work = [options] { return scene_probes(*options); }; });
 }
 
 }  // namespace probebake

@@ -84,16 +84,28 @@ class Signals {
     sigset_t set_{};
 };
 
+/// Ends what runs, within the grace; a second signal ends the grace.
+void drain(Service& service, const Signals& signals, double grace_seconds) {
+    log_event("draining", "no more jobs are taken; a second signal cancels those that run");
+    const std::jthread second([&](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+            if (signals.wait(std::chrono::milliseconds(50))) service.hurry();
+        }
+    });
+    service.drain(std::chrono::milliseconds(static_cast<int64_t>(1000 * grace_seconds)));
+    log_event("stopped", "drained");
+}
+
 int serve(const ServeOptions& options) {
     const ServiceOptions service_options = probebake::service_options(options);
     const Signals signals;
-    for (const std::string& problem : broken_scenes(SceneLibrary(service_options.scenes))) {
-        log_warning("broken-scene", problem);
-    }
     if (service_options.cache.tree_cache_dir) {
         std::filesystem::create_directories(*service_options.cache.tree_cache_dir);
     }
     auto service = std::make_unique<Service>(service_options);
+    for (const std::string& problem : broken_scenes(SceneLibrary(service_options.scenes))) {
+        log_warning("broken-scene", problem);
+    }
     if (options.port_file) {
         write_file_atomically(*options.port_file, std::to_string(service->port()) + "\n");
     }
@@ -106,14 +118,7 @@ int serve(const ServeOptions& options) {
         log_warning("stopped", "the socket accepts no more connections");
         return 1;
     }
-    log_event("draining", "no more jobs are taken; a second signal cancels those that run");
-    const std::jthread second([&](const std::stop_token& stop) {
-        while (!stop.stop_requested()) {
-            if (signals.wait(std::chrono::milliseconds(50))) service->hurry();
-        }
-    });
-    service->drain(std::chrono::milliseconds(static_cast<int64_t>(1000 * options.drain_seconds)));
-    log_event("stopped", "drained");
+    drain(*service, signals, options.drain_seconds);
     const std::jthread give_up([](const std::stop_token& stop) {
         const auto end = std::chrono::steady_clock::now() + kEndTime;
         while (!stop.stop_requested()) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "io/io_error.h"
-#include "scene/vox_import.h"
+#include "scene/vox/vox_import.h"
 #include "voxels/voxel_tree.h"
 
 namespace {

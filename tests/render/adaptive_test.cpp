@@ -37,6 +37,7 @@ TEST(Adaptive, ClassesAreTheThesiss) {
 TEST(Adaptive, TheSolvedNormaliserSpendsTheBudgetAndNoMore) {
     RandomStream random(4);
     std::vector<double> variations;
+    variations.reserve(1000);
     for (int i = 0; i < 1000; ++i) variations.push_back(random.uniform() * random.uniform());
     const auto cost = [&](double normaliser) {
         uint64_t rays = variations.size();

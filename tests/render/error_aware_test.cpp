@@ -117,7 +117,9 @@ TEST_F(ErrorAwareTest, RefinesExactlyWhereTheNodesErrorExceedsTheThreshold) {
         if (error_at(x, y, 1.0) > settings.threshold) {
             rays += 4;
             for (int q = 0; q < 4; ++q) {
-                if (error_at(x - 0.25 + 0.5 * (q % 2), y - 0.25 + 0.5 * (q / 2), 0.5) >
+                const int column = q % 2;
+                const int row = q / 2;
+                if (error_at(x - 0.25 + 0.5 * column, y - 0.25 + 0.5 * row, 0.5) >
                     settings.threshold) {
                     rays += 4;
                 }

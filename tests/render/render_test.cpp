@@ -152,7 +152,7 @@ TEST_F(RenderTest, ARayLimitHoldsAndIsSpentWhereItIsNeeded) {
     const uint64_t half = render(RendererKind::kErrorAware, 16).total().all_rays() / 2;
     const CostStats limited =
         render_cubemap(scene_, test::kSmallWorldProbe, 16, {}, cancel, half).total();
-    EXPECT_GT(limited.all_rays() + 6 * 21, half);
+    EXPECT_GT(limited.all_rays() + uint64_t{6} * 21, half);
 }
 
 TEST_F(RenderTest, OwnedPixelsAreCountedByFace) {

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "math/random.h"
-#include "scene/generate_cornell.h"
-#include "scene/generate_scene.h"
-#include "scene/generate_studies.h"
+#include "scene/generators/cornell.h"
+#include "scene/generators/generators.h"
+#include "scene/generators/studies.h"
 #include "voxels/trace.h"
 
 namespace probebake {

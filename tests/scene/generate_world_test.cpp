@@ -5,7 +5,8 @@
 #include <ostream>
 #include <string>
 
-#include "scene/generate_scene.h"
+#include "scene/generators/generators.h"
+#include "voxels/voxel_tree.h"
 
 namespace probebake {
 namespace {

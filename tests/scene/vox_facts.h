@@ -8,7 +8,7 @@
 #include <string>
 
 #include "io/file.h"
-#include "scene/vox_import.h"
+#include "scene/vox/vox_import.h"
 #include "support/data.h"
 
 namespace probebake::test {

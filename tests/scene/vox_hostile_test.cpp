@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "io/file.h"
-#include "scene/vox_import.h"
+#include "scene/vox/vox_import.h"
 #include "scene/vox_seeds.h"
 
 namespace probebake {

@@ -1,5 +1,5 @@
 // Where voxels of hand-made .vox files land, and in what colours.
-#include "scene/vox_import.h"
+#include "scene/vox/vox_import.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -10,7 +10,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "scene/vox_palette.h"
+#include "scene/vox/vox_palette.h"
 #include "scene/vox_writer.h"
 #include "voxels/voxel_tree.h"
 

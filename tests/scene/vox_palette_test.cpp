@@ -1,11 +1,11 @@
 // Colours and emission of .vox files.
-#include "scene/vox_palette.h"
+#include "scene/vox/vox_palette.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "scene/vox_import.h"
+#include "scene/vox/vox_import.h"
 #include "scene/vox_writer.h"
 
 namespace probebake {

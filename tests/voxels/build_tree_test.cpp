@@ -40,7 +40,7 @@ TEST(BuildTree, HoldsExactlyTheVoxelsGiven) {
             ASSERT_EQ(tree.colors().albedo.voxels[*found], color) << name;
         }
         auto next = expected.begin();
-        tree.for_each_voxel([&](const IVec3& position) {
+        tree.for_each_voxel([&, &name = name](const IVec3& position) {
             ASSERT_EQ(position, morton_decode((next++)->first)) << name;
         });
         ASSERT_EQ(next, expected.end()) << name;

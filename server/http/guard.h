@@ -1,0 +1,38 @@
+// The guard: every request's head is judged here before the HTTP library sees a byte of it.
+//
+// cpp-httplib 0.11.4 reads chunked and compressed bodies past its own limit, takes any number of
+// headers, misreads lengths that are repeated or malformed, and answers Range headers wrongly
+// (docs/service.md, "What is refused before it is read"). So the head is parsed strictly, refused
+// where anything in it is doubtful, and the library is handed a head written anew: the request
+// line, the request's number, and the few headers that the service looks at. In particular there
+// is always exactly one Content-Length and never a Range.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace probebake {
+
+struct GuardLimits {
+    size_t max_head_bytes = 16 * 1024;
+    size_t max_target_bytes = 2048;
+    size_t max_headers = 64;
+    uint64_t max_body_bytes = uint64_t{1} << 20;
+    /// Host names that clients may address, without port; lower case.
+    std::vector<std::string> hosts = {"localhost", "127.0.0.1", "[::1]"};
+};
+
+struct GuardedHead {
+    std::string method;
+    std::string target;
+    uint64_t body_bytes = 0;
+    std::string for_library;  // the head written anew, with its blank line
+};
+
+/// The head of a request up to and including the blank line. Throws ProblemError.
+GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
+                       const std::string& request_id);
+
+}  // namespace probebake

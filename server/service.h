@@ -1,0 +1,56 @@
+// Service: the parts of a running service, wired together.
+//
+//   HttpServer ─► Api ─► JobManager ─► run_bake on the RenderPool
+//                  │         └─► SceneCache
+//                  └─► ArtifactStore, SceneLibrary
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "engine/scene_cache.h"
+#include "http/api.h"
+
+namespace probebake {
+
+struct ServiceOptions {
+    HttpServer::Options http;
+    std::filesystem::path data = "probebake-data";
+    std::filesystem::path scenes = "configs/scenes";
+    SceneCache::Options cache;
+    int threads = 1;
+    JobManager::Options jobs;
+    bool log_requests = true;
+};
+
+class Service {
+  public:
+    /// Listens when it returns. Throws IoError where a directory cannot be used, and what
+    /// HttpServer throws.
+    explicit Service(const ServiceOptions& options);
+    /// Cancels what still runs.
+    ~Service();
+
+    int port() const { return http_.port(); }
+    bool listening() const { return http_.listening(); }
+    /// Refuses new jobs, gives running ones `grace` to end, then cancels them; status and files are
+    /// served until then. Scenes that still load are not waited for here, but by the destructor.
+    void drain(std::chrono::milliseconds grace);
+    /// Ends the grace.
+    void hurry() { jobs_.hurry(); }
+
+  private:
+    SceneLibrary scenes_;
+    ArtifactStore store_;
+    RenderPool pool_;
+    SceneCache cache_;
+    JobManager jobs_;
+    Api api_;
+    HttpServer http_;
+};
+
+/// One line of JSON per scene file that cannot be read, as the start of a service shows it.
+std::vector<std::string> broken_scenes(const SceneLibrary& scenes);
+
+}  // namespace probebake

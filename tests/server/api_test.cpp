@@ -1,0 +1,284 @@
+// The way of a job over HTTP, from its acceptance to its files.
+#include <gtest/gtest.h>
+
+#include "image/exr.h"
+#include "io/sha256.h"
+#include "jobs/job.h"
+#include "running_service.h"
+
+namespace probebake {
+namespace {
+
+using test::Answer;
+using test::RunningService;
+
+TEST(Api, AJobGoesAllTheWay) {
+    RunningService service;
+    Json request = test::net_request(3);
+    request["products"] = {"cube", "aux"};
+    request["lighting_states"] = {"albedo", "emission"};
+    const Answer taken = service.post("/v1/bakes", request);
+    ASSERT_EQ(taken.status, 202) << taken.body;
+    const std::string id = taken.json().at("id");
+    EXPECT_TRUE(is_job_id(id));
+    EXPECT_EQ(taken.header("Location"), "/v1/bakes/" + id);
+    EXPECT_FALSE(taken.header("Retry-After").empty());
+    EXPECT_EQ(taken.header("Content-Type"), "application/json");
+
+    const Json ended = service.wait_until_ended(id);
+    EXPECT_EQ(ended.at("state"), "SUCCEEDED");
+    EXPECT_EQ(ended.at("progress").at("units_done"), 6);
+    EXPECT_EQ(ended.at("scene"), "net");
+    EXPECT_LE(ended.at("created_at").get<std::string>(), ended.at("ended_at").get<std::string>());
+
+    const Answer report = service.get("/v1/bakes/" + id + "/report");
+    EXPECT_EQ(report.status, 200);
+    EXPECT_EQ(report.header("Content-Type"), "application/json");
+    EXPECT_EQ(report.json().at("totals").at("cubemaps"), 6);
+    EXPECT_EQ(report.json().at("effective_request").at("scene"), "net");
+
+    const Json page = service.get("/v1/bakes/" + id + "/probes").json();
+    EXPECT_EQ(page.at("final"), true);
+    EXPECT_FALSE(page.contains("next_page_token"));
+    ASSERT_EQ(page.at("rows").size(), 6U);
+    for (const Json& row : page.at("rows")) {
+        ASSERT_EQ(row.at("files").size(), 2U);
+        for (const Json& file : row.at("files")) {
+            const std::string path =
+                "/v1/bakes/" + id + "/probes/" + row.at("probe").get<std::string>() + "/" +
+                row.at("state").get<std::string>() + "/" + file.at("name").get<std::string>();
+            const Answer got = service.get(path);
+            ASSERT_EQ(got.status, 200) << path;
+            const auto bytes = std::as_bytes(std::span(got.body));
+            EXPECT_EQ(got.body.size(), file.at("bytes").get<size_t>());
+            EXPECT_EQ(sha256_hex(bytes), file.at("sha256"));
+            EXPECT_EQ(got.header("ETag"), "\"" + file.at("sha256").get<std::string>() + "\"");
+            EXPECT_EQ(got.header("Content-Type"), "image/x-exr");
+            EXPECT_EQ(got.header("Content-Length"), std::to_string(got.body.size()));
+            EXPECT_EQ(got.header("Accept-Ranges"), "none");
+            if (file.at("name") == "cube.exr") {
+                EXPECT_EQ(decode_cubemap(bytes, "cube.exr").cubemap.face_size(), 8);
+            }
+        }
+    }
+}
+
+TEST(Api, FilesAreComparedByTheirTag) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(1));
+    const std::string path = "/v1/bakes/" + id + "/probes/p0/albedo/cube.exr";
+    const std::string etag = service.get(path).header("ETag");
+    for (const std::string& tags : {etag, "W/" + etag, std::string("*"), "\"x\", " + etag}) {
+        const Answer same = service.get(path, {{"If-None-Match", tags}});
+        EXPECT_EQ(same.status, 304) << tags;
+        EXPECT_TRUE(same.body.empty());
+        EXPECT_EQ(same.header("ETag"), etag);
+    }
+    const Answer other = service.get(path, {{"If-None-Match", "\"x\""}});
+    EXPECT_EQ(other.status, 200);
+    EXPECT_FALSE(other.body.empty());
+    httplib::Client client = service.client();
+    const httplib::Result head = client.Head(path);
+    ASSERT_TRUE(head);
+    EXPECT_EQ(head->status, 200);
+    EXPECT_EQ(head->get_header_value("Content-Length"), std::to_string(other.body.size()));
+}
+
+TEST(Api, RowsComeInPages) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(7));
+    std::vector<std::string> probes;
+    std::string token;
+    int pages = 0;
+    do {
+        const Json page = service.get("/v1/bakes/" + id + "/probes?page_size=3" + token).json();
+        for (const Json& row : page.at("rows")) {
+            probes.push_back(row.at("probe"));
+            EXPECT_TRUE(row.contains("cost"));
+        }
+        ++pages;
+        token = page.contains("next_page_token")
+                    ? "&page_token=" + page["next_page_token"].get<std::string>()
+                    : "";
+    } while (!token.empty());
+    EXPECT_EQ(pages, 3);
+    EXPECT_EQ(probes, (std::vector<std::string>{"p0", "p1", "p2", "p3", "p4", "p5", "p6"}));
+    for (const char* bad : {"r1", "r999999999", "x0", "", "r", "u", "r-1", "r0x"}) {
+        const Answer refused =
+            service.get("/v1/bakes/" + id + "/probes?page_token=" + std::string(bad));
+        EXPECT_EQ(refused.status, 400) << bad;
+        EXPECT_EQ(refused.json().at("errors").at(0).at("pointer"), "?page_token");
+    }
+    EXPECT_EQ(service.get("/v1/bakes/" + id + "/probes?page_token=u18446744073709551615").status,
+              200);
+}
+
+TEST(Api, ProbesAreThereWhileTheJobRuns) {
+    RunningService service;
+    const std::string id = service.submit(test::costly_request(3000, 8));
+    service.wait(id, [](const Json& bake) { return bake["progress"]["units_done"] >= 4; });
+    const Json page = service.get("/v1/bakes/" + id + "/probes?page_size=2").json();
+    EXPECT_EQ(page.at("final"), false);
+    ASSERT_EQ(page.at("rows").size(), 2U);
+    const Json& row = page.at("rows").at(0);
+    const Answer file = service.get("/v1/bakes/" + id + "/probes/" +
+                                    row.at("probe").get<std::string>() + "/albedo/cube.exr");
+    EXPECT_EQ(file.status, 200);
+    EXPECT_EQ(sha256_hex(std::as_bytes(std::span(file.body))), row.at("files").at(0).at("sha256"));
+    const Json next = service
+                          .get("/v1/bakes/" + id + "/probes?page_size=2&page_token=" +
+                               page.at("next_page_token").get<std::string>())
+                          .json();
+    EXPECT_NE(next.at("rows").at(0).at("probe"), row.at("probe"));
+
+    const Answer later = service.get("/v1/bakes/" + id + "/probes/p2999/albedo/cube.exr");
+    EXPECT_EQ(later.status, 404);
+    EXPECT_EQ(later.json().at("type"), "urn:probebake:not-baked-yet");
+    const Answer report = service.get("/v1/bakes/" + id + "/report");
+    EXPECT_EQ(report.status, 409);
+    EXPECT_EQ(report.json().at("type"), "urn:probebake:not-finished");
+    EXPECT_EQ(service.state(id), "RUNNING") << "the job ended before the test was through";
+}
+
+TEST(Api, CancelIsIdempotentAndKeepsFinishedProbes) {
+    RunningService service;
+    const std::string id = service.submit(test::costly_request(5000, 8));
+    service.wait(id, [](const Json& bake) { return bake["progress"]["units_done"] >= 2; });
+    const double seconds = test::seconds_of([&] {
+        const Answer cancelled = service.post("/v1/bakes/" + id + ":cancel");
+        EXPECT_EQ(cancelled.status, 202);
+        EXPECT_EQ(cancelled.json().at("state"), "CANCELLING");
+        service.wait_until_ended(id);
+    });
+    EXPECT_LT(seconds, 1.0);
+    const Answer again = service.post("/v1/bakes/" + id + ":cancel");
+    EXPECT_EQ(again.status, 200);
+    EXPECT_EQ(again.json().at("state"), "CANCELLED");
+    const Json page = service.get("/v1/bakes/" + id + "/probes").json();
+    EXPECT_EQ(page.at("final"), false);
+    ASSERT_GE(page.at("rows").size(), 2U);
+    const std::string probe = page["rows"][0]["probe"];
+    EXPECT_EQ(service.get("/v1/bakes/" + id + "/probes/" + probe + "/albedo/cube.exr").status, 200);
+    const Answer report = service.get("/v1/bakes/" + id + "/report");
+    EXPECT_EQ(report.status, 409);
+    EXPECT_EQ(report.json().at("type"), "urn:probebake:no-report");
+}
+
+TEST(Api, AJobWhoseSceneLoadsIsCancelledWithinASecond) {
+    RunningService service;
+    Json request = test::net_request(1);
+    request["scene"] = "slow";
+    const std::string id = service.submit(request);
+    service.wait(id, [](const Json& bake) { return bake["state"] == "RUNNING"; });
+    const double seconds = test::seconds_of([&] {
+        EXPECT_EQ(service.post("/v1/bakes/" + id + ":cancel").status, 202);
+        EXPECT_EQ(service.wait_until_ended(id).at("state"), "CANCELLED");
+    });
+    EXPECT_LT(seconds, 1.0);
+}
+
+TEST(Api, ASmallJobOvertakesALargeOne) {
+    RunningService service;
+    const std::string large = service.submit(test::costly_request(500, 6));
+    service.wait(large, [](const Json& bake) { return bake["progress"]["units_done"] >= 1; });
+    const std::string small = service.submit(test::costly_request(8, 6));
+    service.wait_until_ended(small);
+    const Json behind = service.status(large);
+    // Started in turn, the small one's 8 units take as long as 8 or so of the large one's.
+    EXPECT_LT(behind.at("progress").at("units_done"), 100);
+    EXPECT_EQ(behind.at("state"), "RUNNING");
+    service.post("/v1/bakes/" + large + ":cancel");
+}
+
+TEST(Api, AFullQueueAndADrainingServiceRefuse) {
+    RunningService service([](ServiceOptions& options) {
+        options.jobs.max_running = 1;
+        options.jobs.max_queued = 1;
+    });
+    const std::string running = service.submit(test::costly_request(5000, 8));
+    service.wait(running, [](const Json& bake) { return bake["state"] == "RUNNING"; });
+    service.submit(test::net_request(1));
+    const Answer full = service.post("/v1/bakes", test::net_request(1));
+    EXPECT_EQ(full.status, 503);
+    EXPECT_EQ(full.json().at("type"), "urn:probebake:queue-full");
+    EXPECT_FALSE(full.header("Retry-After").empty());
+
+    const std::jthread drain([&] { (*service).drain(std::chrono::milliseconds(1500)); });
+    while (service.get("/healthz").json().at("status") != "draining") {
+    }
+    const Answer draining = service.post("/v1/bakes", test::net_request(1));
+    EXPECT_EQ(draining.status, 503);
+    EXPECT_EQ(draining.json().at("type"), "urn:probebake:draining");
+    EXPECT_FALSE(draining.header("Retry-After").empty());
+    EXPECT_EQ(service.state(running), "RUNNING") << "status is served during the grace";
+}
+
+TEST(Api, ListsInStablePages) {
+    RunningService service;
+    std::vector<std::string> ids;
+    for (int i = 0; i < 5; ++i) ids.insert(ids.begin(), service.bake(test::net_request(1)));
+    std::vector<std::string> seen;
+    std::string token;
+    do {
+        const Json page = service.get("/v1/bakes?page_size=2" + token).json();
+        for (const Json& bake : page.at("bakes")) seen.push_back(bake.at("id"));
+        service.bake(test::net_request(1));  // newer than everything on the pages
+        token = page.contains("next_page_token")
+                    ? "&page_token=" + page["next_page_token"].get<std::string>()
+                    : "";
+    } while (!token.empty());
+    EXPECT_EQ(seen, ids);
+    EXPECT_EQ(service.get("/v1/bakes?state=FAILED").json().at("bakes").size(), 0U);
+    EXPECT_EQ(service.get("/v1/bakes?state=SUCCEEDED").json().at("bakes").size(), 8U);
+}
+
+TEST(Api, CheckShowsThePlanAndKeepsNothing) {
+    RunningService service;
+    const Answer checked = service.post("/v1/bakes:check", test::net_request(3));
+    ASSERT_EQ(checked.status, 200) << checked.body;
+    EXPECT_EQ(checked.json().at("valid"), true);
+    EXPECT_EQ(checked.json().at("plan").at("work_units"), 3);
+    EXPECT_EQ(checked.json().at("effective_request").at("seed"), 5);
+    EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 0U);
+    Json bad = test::net_request(1);
+    bad["face_size_px"] = 3;
+    EXPECT_EQ(service.post("/v1/bakes:check", bad).status, 422);
+}
+
+TEST(Api, TellsAboutItself) {
+    RunningService service;
+    EXPECT_EQ(service.get("/healthz").json().at("status"), "ok");
+    EXPECT_EQ(service.get("/v1/version").json().at("version"), PROBEBAKE_VERSION);
+    const Json limits = service.get("/v1/limits").json();
+    EXPECT_EQ(limits.at("probes"), 65536);
+    EXPECT_EQ(limits.at("request_bytes"), 1 << 20);
+    EXPECT_EQ(limits.at("jobs").at("running"), 4);
+    const Json scenes = service.get("/v1/scenes").json().at("scenes");
+    ASSERT_EQ(scenes.size(), 3U);
+    EXPECT_EQ(scenes[0].at("name"), "broken");
+    EXPECT_TRUE(scenes[0].contains("error"));
+    EXPECT_EQ(scenes[1].at("name"), "net");
+    EXPECT_EQ(scenes[1].at("voxel_size_m"), 0.25);
+    for (const char* path : {"/healthz", "/v1/version", "/v1/limits", "/v1/scenes"}) {
+        EXPECT_EQ(service.get(path + std::string("?x=1")).status, 400) << path;
+        EXPECT_EQ(service.client().Head(path)->status, 200) << path;
+    }
+}
+
+TEST(Api, ForgottenJobsAreUnknown) {
+    RunningService service([](ServiceOptions& options) { options.jobs.keep_jobs = 1; });
+    const std::string first = service.bake(test::net_request(1));
+    service.bake(test::net_request(1));
+    for (int i = 0; i < 200 && service.get("/v1/bakes/" + first).status != 404; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    for (const char* rest : {"", "/report", "/probes", "/probes/p0/albedo/cube.exr"}) {
+        const Answer gone = service.get("/v1/bakes/" + first + rest);
+        EXPECT_EQ(gone.status, 404) << rest;
+        EXPECT_EQ(gone.json().at("type"), "urn:probebake:unknown-bake");
+    }
+    EXPECT_EQ(service.post("/v1/bakes/" + first + ":cancel").status, 404);
+}
+
+}  // namespace
+}  // namespace probebake

@@ -1,0 +1,52 @@
+// The examples in configs/ work: every scene file is one, every job can be baked.
+#include <gtest/gtest.h>
+
+#include "io/file.h"
+#include "running_service.h"
+
+namespace probebake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::RunningService;
+
+const fs::path kConfigs = PROBEBAKE_SOURCE_DIR "/configs";
+
+TEST(Configs, EverySceneFileIsOneAndEveryGeneratorHasOne) {
+    const SceneLibrary library(kConfigs / "scenes");
+    std::set<std::string> shown;
+    for (const std::string& name : library.names()) {
+        const std::optional<SceneFile> file = library.find(name);
+        ASSERT_TRUE(file) << name;
+        EXPECT_FALSE(file->description.empty()) << name;
+        ASSERT_TRUE(file->generator) << name << " needs a file that is not part of the sources";
+        shown.insert(file->generator->name);
+    }
+    for (const GeneratorInfo& info : generators()) {
+        EXPECT_TRUE(shown.contains(std::string(info.name))) << info.name;
+    }
+}
+
+TEST(Configs, EveryJobIsBaked) {
+    const RunningService service([](ServiceOptions& options) {
+        options.scenes = fs::path(PROBEBAKE_SOURCE_DIR) / "configs/scenes";
+    });
+    size_t jobs = 0;
+    for (const auto& entry : fs::directory_iterator(kConfigs / "jobs")) {
+        const std::string text = test::read_text(entry.path());
+        const std::string id = service.bake(parse_json(text));
+        const Json report = service.get("/v1/bakes/" + id + "/report").json();
+        EXPECT_GT(report.at("totals").at("cubemaps"), 0) << entry.path();
+        EXPECT_EQ(report.at("plan").at("warnings"), Json::array()) << entry.path();
+        for (const Json& state : report.at("states")) {
+            for (const auto& [result, count] : state.at("results").items()) {
+                EXPECT_EQ(result, "target_met") << entry.path();
+            }
+        }
+        ++jobs;
+    }
+    EXPECT_GE(jobs, 5U);
+}
+
+}  // namespace
+}  // namespace probebake

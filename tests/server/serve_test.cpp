@@ -1,0 +1,251 @@
+// The real binary: serve and its clients, as a user runs them.
+#include <gtest/gtest.h>
+
+#include "io/json.h"
+#include "net_jobs.h"
+#include "process.h"
+
+namespace probebake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Process;
+using test::TempFolder;
+using test::write_text;
+using namespace std::chrono_literals;
+
+struct Ran {
+    int code = 0;
+    std::string out;
+    std::string err;
+};
+
+class ServeTest : public testing::Test {
+  protected:
+    ServeTest() {
+        test::write_scenes(folder_.path() / "scenes");
+        write_text(folder_.path() / "job.json", test::net_request(3).dump());
+        write_text(folder_.path() / "long.json", test::costly_request(5000, 16).dump());
+    }
+
+    std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+    std::vector<std::string> serve_args(std::vector<std::string> more = {}) const {
+        std::vector<std::string> args = {
+            "serve",        "--port",      "0",          "--data",    path("data"), "--scenes",
+            path("scenes"), "--port-file", path("port"), "--threads", "2"};
+        args.insert(args.end(), more.begin(), more.end());
+        return args;
+    }
+    void serve(std::vector<std::string> more = {}) {
+        fs::remove(path("port"));
+        service_.emplace(folder_.path() / "service", serve_args(std::move(more)));
+        for (int i = 0; i < 6000 && !fs::exists(path("port")); ++i) {
+            std::this_thread::sleep_for(5ms);
+        }
+        std::string port = test::read_text(path("port"));
+        ASSERT_FALSE(port.empty()) << service_->err();
+        port.pop_back();
+        url_ = "http://127.0.0.1:" + port;
+    }
+    Ran run(const std::vector<std::string>& args) {
+        Process process(folder_.path() / "client", args);
+        const std::optional<int> code = process.wait();
+        EXPECT_TRUE(code) << args[0] << " does not end";
+        return {code.value_or(-1), process.out(), process.err()};
+    }
+    Ran client(std::vector<std::string> args) {
+        args.insert(args.end(), {"--server", url_});
+        return run(args);
+    }
+    std::string submit(const std::string& job) {
+        const Ran ran = client({"submit", path(job)});
+        EXPECT_EQ(ran.code, 0) << ran.err;
+        return ran.out.substr(0, ran.out.find('\n'));
+    }
+
+    TempFolder folder_;
+    std::optional<Process> service_;
+    std::string url_;
+};
+
+TEST_F(ServeTest, ClientsGoAllTheWay) {
+    serve();
+    EXPECT_EQ(service_->out(), "listening on " + url_ + "\n");
+    const std::string id = submit("job.json");
+    const Ran waited = client({"wait", id});
+    EXPECT_EQ(waited.code, 0) << waited.err;
+    EXPECT_NE(waited.out.find("SUCCEEDED 3/3"), std::string::npos) << waited.out;
+
+    const Ran listed = client({"list", "--state", "SUCCEEDED", "--json"});
+    EXPECT_EQ(parse_json(listed.out).at("bakes").at(0).at("id"), id);
+    EXPECT_NE(client({"list"}).out.find(id), std::string::npos);
+    EXPECT_EQ(parse_json(client({"status", id, "--json"}).out).at("state"), "SUCCEEDED");
+
+    const Ran got = client({"download", id, "--out", path("out")});
+    EXPECT_EQ(got.code, 0) << got.err;
+    EXPECT_NE(got.out.find("p2/albedo"), std::string::npos) << "the report's table";
+    EXPECT_NE(got.out.find("sizes and SHA-256 checked, 0 of them there before"), std::string::npos);
+    EXPECT_EQ(parse_json(test::read_text(path("out/report.json"))).at("totals").at("cubemaps"), 3);
+
+    // What `bake` leaves is the same.
+    const Ran baked = run({"bake", path("job.json"), "--out", path("local"), "--scenes",
+                           path("scenes"), "--threads", "1"});
+    EXPECT_EQ(baked.code, 0) << baked.err;
+    for (const char* probe : {"p0", "p1", "p2"}) {
+        const std::string file = std::string(probe) + "/albedo/cube.exr";
+        EXPECT_EQ(test::read_text(path("out/" + file)), test::read_text(path("local/" + file)));
+        EXPECT_FALSE(test::read_text(path("out/" + file)).empty());
+    }
+
+    // A second download fetches only what is missing or damaged.
+    fs::remove(path("out/p0/albedo/cube.exr"));
+    const std::string good = test::read_text(path("out/p1/albedo/cube.exr"));
+    std::string bad = good;
+    bad[bad.size() / 2] = static_cast<char>(bad[bad.size() / 2] ^ 1);
+    write_text(path("out/p1/albedo/cube.exr"), bad);
+    const Json again = parse_json(client({"download", id, "--out", path("out"), "--json"}).out);
+    EXPECT_EQ(again.at("files"), 3);
+    EXPECT_EQ(again.at("kept"), 1);
+    EXPECT_EQ(again.at("complete"), true);
+    EXPECT_EQ(test::read_text(path("out/p1/albedo/cube.exr")), good);
+}
+
+TEST_F(ServeTest, ClientsSayWhatWentWrong) {
+    serve();
+    write_text(path("bad.json"), R"({"scene": "net", "face_size_px": 3, "probes": {}})");
+    const Ran bad = client({"submit", path("bad.json")});
+    EXPECT_EQ(bad.code, 1);
+    EXPECT_NE(bad.err.find("/face_size_px: is 3"), std::string::npos) << bad.err;
+    const Ran unknown = client({"status", "b-0"});
+    EXPECT_EQ(unknown.code, 1);
+    EXPECT_NE(unknown.err.find("Not Found (404): there is no bake"), std::string::npos);
+    EXPECT_EQ(client({"submit", path("missing.json")}).code, 1);
+    EXPECT_EQ(client({"submit"}).code, 2);
+
+    const std::string id = submit("long.json");
+    EXPECT_EQ(client({"cancel", id}).code, 0);
+    const Ran waited = client({"wait", id});
+    EXPECT_EQ(waited.code, 1) << "only success is 0";
+    EXPECT_NE(waited.out.find("CANCELLED"), std::string::npos);
+    const Ran got = client({"download", id, "--out", path("part")});
+    EXPECT_EQ(got.code, 0) << got.err;
+    EXPECT_NE(got.out.find("no report"), std::string::npos);
+    EXPECT_FALSE(fs::exists(path("part/report.json")));
+
+    service_.reset();
+    const Ran gone = client({"list"});
+    EXPECT_EQ(gone.code, 1);
+    EXPECT_NE(gone.err.find("no answer from " + url_), std::string::npos) << gone.err;
+}
+
+TEST_F(ServeTest, SigtermEndsItCleanlyWithinTheGrace) {
+    for (const int number : {SIGTERM, SIGINT}) {
+        serve({"--drain-seconds", "0.3"});
+        const std::string id = submit("long.json");
+        std::this_thread::sleep_for(100ms);
+        const auto start = std::chrono::steady_clock::now();
+        service_->signal(number);
+        EXPECT_EQ(service_->wait(), 0) << service_->err();
+        EXPECT_LT(std::chrono::steady_clock::now() - start, 2300ms);
+        EXPECT_NE(service_->err().find("\"state\":\"CANCELLED\""), std::string::npos);
+    }
+}
+
+TEST_F(ServeTest, ASecondSignalEndsTheGrace) {
+    serve({"--drain-seconds", "60"});
+    submit("long.json");
+    service_->signal(SIGTERM);
+    EXPECT_EQ(service_->wait(300ms), std::nullopt) << "a running job has its grace";
+    service_->signal(SIGTERM);
+    EXPECT_EQ(service_->wait(3s), 0);
+}
+
+TEST_F(ServeTest, ASceneThatLoadsDoesNotHoldUpTheEnd) {
+    write_text(path("scenes/huge.json"),
+               R"({"type": "generator", "generator": "forest", "size": 2048})");
+    Json request = test::net_request(1);
+    request["scene"] = "huge";
+    write_text(path("huge-job.json"), request.dump());
+    serve({"--drain-seconds", "0"});
+    submit("huge-job.json");
+    std::this_thread::sleep_for(300ms);
+    const auto start = std::chrono::steady_clock::now();
+    service_->signal(SIGTERM);
+    EXPECT_EQ(service_->wait(), 0);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, 4s);
+}
+
+TEST_F(ServeTest, OneServicePerDataDirectoryAndPort) {
+    serve();
+    const Ran second = run(serve_args());
+    EXPECT_EQ(second.code, 1);
+    EXPECT_EQ(second.err, "probebake: " + path("data") +
+                              ": is the data directory of another running service\n");
+    const std::string port = url_.substr(url_.rfind(':') + 1);
+    const Ran same_port =
+        run({"serve", "--port", port, "--data", path("data2"), "--scenes", path("scenes")});
+    EXPECT_EQ(same_port.code, 1);
+    EXPECT_NE(same_port.err.find("cannot listen on 127.0.0.1:" + port), std::string::npos);
+}
+
+TEST_F(ServeTest, DoesNotExposeItselfUnasked) {
+    const Ran ran = run(serve_args({"--host", "0.0.0.0"}));
+    EXPECT_EQ(ran.code, 1);
+    EXPECT_NE(ran.err.find("--expose"), std::string::npos);
+    EXPECT_EQ(ran.err.find('\n'), ran.err.size() - 1) << "one line";
+    serve({"--host", "0.0.0.0", "--expose"});
+    EXPECT_EQ(client({"list"}).code, 0);
+}
+
+TEST_F(ServeTest, WarnsOfBrokenScenesAndStarts) {
+    serve();
+    EXPECT_NE(service_->err().find("broken-scene"), std::string::npos);
+    EXPECT_NE(service_->err().find("atlantis"), std::string::npos);
+    EXPECT_EQ(client({"list"}).code, 0);
+}
+
+TEST_F(ServeTest, ReadsItsOptionsFromAFile) {
+    write_text(path("server.toml"),
+               "port = 0\nmax-running = 2\nmax-queued = 7\nexpose = true\n"
+               "host = \"0.0.0.0\"\nallow-host = [\"a.example\", \"b\"]\n");
+    serve({"--config", path("server.toml"), "--max-queued", "9"});
+    EXPECT_EQ(service_->out().rfind("listening on http://0.0.0.0:", 0), 0U) << service_->out();
+    EXPECT_EQ(client({"list"}).code, 0);
+    write_text(path("server.toml"), "prot = 0\n");
+    const Ran ran = run(serve_args({"--config", path("server.toml")}));
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_NE(ran.err.find("\"prot\" is no option of serve"), std::string::npos) << ran.err;
+    EXPECT_EQ(run(serve_args({"--config", path("nowhere.toml")})).code, 2);
+}
+
+TEST_F(ServeTest, EveryOptionOfTheExampleIsOne) {
+    std::string text = test::read_text(PROBEBAKE_SOURCE_DIR "/configs/server.toml");
+    // The options that are commented out, too.
+    for (size_t at = text.find("\n# "); at != std::string::npos; at = text.find("\n# ", at + 1)) {
+        const size_t end = text.find('\n', at + 1);
+        const std::string line = text.substr(at + 3, end - at - 3);
+        const size_t equals = line.find(" = ");
+        if (equals != std::string::npos && line.find(' ') == equals) text.erase(at + 1, 2);
+    }
+    EXPECT_NE(text.find("\ncache ="), std::string::npos);
+    EXPECT_NE(text.find("\nport-file ="), std::string::npos);
+    // Here, and not where the example says.
+    for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+             {"port = 8080", "port = 0"},
+             {"probebake-data", path("data")},
+             {"\"configs/scenes\"", "\"" + path("scenes") + "\""},
+             {"probebake-cache", path("cache")},
+             {"probebake.port", path("port")}}) {
+        const size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos) << from;
+        text.replace(at, from.size(), to);
+    }
+    write_text(path("server.toml"), text);
+    service_.emplace(folder_.path() / "service",
+                     std::vector<std::string>{"serve", "--config", path("server.toml")});
+    for (int i = 0; i < 2000 && !fs::exists(path("port")); ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_TRUE(fs::exists(path("port"))) << service_->err();
+}
+
+}  // namespace
+}  // namespace probebake

@@ -23,7 +23,7 @@ struct Scene {
     std::string name;
     /// SHA-256 of the scene file and of everything it refers to: the same hash, the same voxels.
     std::string sha256;
-    std::string author;   // for pictures of scenes that need one named
+    std::string author;  // for pictures of scenes that need one named
     std::string licence;
     VoxelTree tree;
     double voxel_size_m = 1.0;

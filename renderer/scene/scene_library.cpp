@@ -37,7 +37,8 @@ GeneratorParams read_generator(ObjectReader& reader) {
     GeneratorParams params;
     params.name = reader.name("generator", std::nullopt);
     params.size = static_cast<int>(reader.integer("size", 1, 65536, params.size));
-    params.seed = reader.unsigned_integer("seed", std::numeric_limits<uint64_t>::max(), params.seed);
+    params.seed =
+        reader.unsigned_integer("seed", std::numeric_limits<uint64_t>::max(), params.seed);
     return params;
 }
 

@@ -49,8 +49,9 @@ class Search {
         const std::optional<double> surface = surface_y(at);
         // Under a low sky, half of the air; beside a lone object, half of the way up.
         const double air = surface ? side_ - *surface : 0.0;
-        const double y = surface ? *surface + std::min(0.5 * air, std::max(1.5, height_m / voxel_m_))
-                                 : 0.5 * side_;
+        const double y = surface
+                             ? *surface + std::min(0.5 * air, std::max(1.5, height_m / voxel_m_))
+                             : 0.5 * side_;
         const Vec3 position(at.x, y, at.y);
         if (!is_clear(position)) return std::nullopt;
         if (surface && !may_stand_out && stands_out(at, *surface)) return std::nullopt;

@@ -153,8 +153,8 @@ void add_scene_command(CLI::App& app, CommandWork& work) {
     options->scenes.add_to(*info);
     info->callback([options, &work] { work = [options] { return scene_info(*options); }; });
 
-    auto* probes =
-        scene->add_subcommand("probes", "Suggest probe positions in free air, as JSON for a request");
+    auto* probes = scene->add_subcommand(
+        "probes", "Suggest probe positions in free air, as JSON for a request");
     probes->add_option("scene", options->scene, "As for scene info")->required();
     probes->add_option("--count", options->count, "How many at most")
         ->check(CLI::Range(1, 65536))

@@ -6,6 +6,7 @@
 
 #include "io/file.h"
 #include "io/spec_error.h"
+#include "scene/vox/vox_import.h"
 #include "scene/vox_seeds.h"
 
 namespace probebake {
@@ -78,12 +79,10 @@ TEST_F(SceneLibraryTest, AVoxSceneKeepsTheFilesOwnOrigin) {
     write("model.json", R"({"type": "vox", "file": "Model.vox", "voxel_size_m": 0.1})");
     const Scene scene = load_scene(read_scene_file(folder_ / "model.json"));
     EXPECT_GT(scene.tree.voxel_count(), 0u);
-    // A model turns about its pivot, so the file's origin lies within its box.
-    const Vec3 origin = scene.to_voxels(Vec3(0.0));
-    for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_GE(origin[axis], -1e-9);
-        EXPECT_LE(origin[axis], 1 << scene.tree.depth());
-    }
+    const VoxImport import = import_vox(seeds.front().second, "Model.vox");
+    EXPECT_NE(import.lowest, IVec3(0));
+    EXPECT_EQ(scene.corner_m, Vec3(import.lowest) * 0.1);
+    EXPECT_EQ(scene.to_metres(Vec3(0.0)), scene.corner_m);
 }
 
 TEST_F(SceneLibraryTest, TheCacheGivesBackTheSameScene) {

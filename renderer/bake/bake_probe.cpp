@@ -6,6 +6,7 @@
 
 #include "bake/probe_view.h"
 #include "image/exr.h"
+#include "image/ssim.h"
 #include "io/sha256.h"
 
 namespace probebake {
@@ -13,7 +14,11 @@ namespace {
 
 constexpr int kMaxLooks = 4;
 constexpr int kMinAuditPixels = 64;
+/// Of a render's rays, what an audit of it may cast.
+constexpr double kDecisionShare = 0.02;
+constexpr double kCertificateShare = 0.08;
 constexpr int kMinAuditWindows = 16;
+constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
 
 class Unit {
   public:
@@ -89,19 +94,22 @@ class Unit {
 
     Audit audit(uint64_t look) const {
         const bool ssim = job_.quality.target.metric == QualityTarget::Metric::kSsim;
-        const int pixels = audit_pixels(job_.quality.evidence, probe_.face_size_px);
-        const AuditSpec spec{.scene = render_scene_,
-                             .origin = origin_,
-                             .as_written = as_written_,
-                             .aux = render_.aux,
-                             .exposure = pilot_.exposure,
-                             .against = job_.quality.against,
-                             .truth_grid = pilot_.truth_grid,
-                             .weighting = job_.quality.weighting,
-                             .pixels = pixels,
-                             .windows = ssim ? std::max(kMinAuditWindows, pixels / 16) : 0,
-                             .key = random_key({job_.seed, params_.probe,
-                                                static_cast<uint64_t>(pilot_.state), look})};
+        const double share = look == kCertificate ? kCertificateShare : kDecisionShare;
+        const int pixels = audit_pixels(job_.quality, pilot_.truth_grid, probe_.face_size_px,
+                                        share * static_cast<double>(render_.total().all_rays()));
+        const AuditSpec spec{
+            .scene = render_scene_,
+            .origin = origin_,
+            .as_written = as_written_,
+            .aux = render_.aux,
+            .exposure = pilot_.exposure,
+            .against = job_.quality.against,
+            .truth_grid = pilot_.truth_grid,
+            .weighting = job_.quality.weighting,
+            .pixels = pixels,
+            .windows = ssim ? std::max(kMinAuditWindows, pixels / kWindowPixels) : 0,
+            .key =
+                random_key({job_.seed, params_.probe, static_cast<uint64_t>(pilot_.state), look})};
         return audit_cubemap(spec, cancel_);
     }
 
@@ -199,9 +207,14 @@ std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
     return limit;
 }
 
-int audit_pixels(const EvidenceSpec& evidence, int face_size_px) {
-    const int texels = 6 * face_size_px * face_size_px;
-    return evidence.pixels_per_probe.value_or(std::max(kMinAuditPixels, texels / 100));
+int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays) {
+    if (quality.evidence.pixels_per_probe) return *quality.evidence.pixels_per_probe;
+    const double rays_per_pixel =
+        quality.against == Against::kReference ? 16.0 : 2.0 * truth_grid * truth_grid;
+    const double texels = 6.0 * face_size_px * face_size_px;
+    const double paid_for = rays / rays_per_pixel;
+    return std::max(kMinAuditPixels,
+                    static_cast<int>(std::clamp(paid_for, texels / 100.0, texels / 10.0)));
 }
 
 }  // namespace probebake

@@ -58,7 +58,8 @@ ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilo
 /// for.
 std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe);
 
-/// Audited pixels of a probe.
-int audit_pixels(const EvidenceSpec& evidence, int face_size_px);
+/// Audited pixels of a probe: as asked for, else as many as these rays pay for, at least 64 and
+/// between a hundredth and a tenth of its texels.
+int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays);
 
 }  // namespace probebake

@@ -44,7 +44,7 @@ enum class Against {
 
 struct EvidenceSpec {
     bool audit = true;
-    /// Audited pixels per probe and state; none: one per cent of its pixels, at least 64.
+    /// Audited pixels per probe and state; none: as bake_probe.h's audit_pixels.
     std::optional<int> pixels_per_probe;
     double confidence = 0.95;
 };

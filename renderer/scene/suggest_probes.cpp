@@ -18,43 +18,43 @@ constexpr double kLowest_m = 2.0;  // above the ground
 constexpr double kHighest_m = 10.0;
 constexpr double kClearance_m = 1.0;
 
-/// The ground plan that probes are spread over, in voxels.
-struct GroundPlan {
-    Vec2 lo{0.0};
-    Vec2 hi{0.0};
+/// What the voxels fill, in voxels.
+struct Box {
+    Vec3 lo{0.0};
+    Vec3 hi{0.0};
 };
 
-GroundPlan plan_of(const VoxelTree& tree) {
-    Vec2 lo(1 << kMaxDepth);
-    Vec2 hi(0.0);
+Box box_of(const VoxelTree& tree) {
+    IVec3 lo(1 << kMaxDepth);
+    IVec3 hi(0);
     tree.for_each_voxel([&](const IVec3& p) {
-        lo = glm::min(lo, Vec2(p.x, p.z));
-        hi = glm::max(hi, Vec2(p.x + 1, p.z + 1));
+        lo = glm::min(lo, p);
+        hi = glm::max(hi, p + 1);
     });
-    const Vec2 margin = (hi - lo) * kMargin;
-    return {lo + margin, hi - margin};
+    return {Vec3(lo), Vec3(hi)};
 }
 
 class Search {
   public:
-    explicit Search(const Scene& scene)
+    Search(const Scene& scene, const Box& box)
         : tree_(scene.tree),
+          middle_y_(0.5 * (box.lo.y + box.hi.y)),
           voxel_m_(scene.voxel_size_m),
           side_(std::ldexp(1.0, scene.tree.depth())),
           // At least a voxel, and less where the world itself is some metres across.
           clearance_(std::clamp(kClearance_m / voxel_m_, 1.0, std::max(1.0, side_ / 16.0))) {}
 
-    /// A position above a point of the plan, or none where it is not clear.
-    std::optional<Vec3> above(const Vec2& at, double height_m, bool may_stand_out) const {
+    /// A position above a point of the plan, or none where it is not clear. A crown, a roof or a
+    /// column without voxels will do as a last resort only.
+    std::optional<Vec3> above(const Vec2& at, double height_m, bool last_resort) const {
         const std::optional<double> surface = surface_y(at);
-        // Under a low sky, half of the air; beside a lone object, half of the way up.
-        const double air = surface ? side_ - *surface : 0.0;
-        const double y = surface
-                             ? *surface + std::min(0.5 * air, std::max(1.5, height_m / voxel_m_))
-                             : 0.5 * side_;
+        if (!last_resort && (!surface || stands_out(at, *surface))) return std::nullopt;
+        double y = middle_y_;
+        if (surface) {  // under a low sky, half of the air
+            y = *surface + std::min(0.5 * (side_ - *surface), std::max(1.5, height_m / voxel_m_));
+        }
         const Vec3 position(at.x, y, at.y);
         if (!is_clear(position)) return std::nullopt;
-        if (surface && !may_stand_out && stands_out(at, *surface)) return std::nullopt;
         return position;
     }
 
@@ -90,6 +90,7 @@ class Search {
     }
 
     const VoxelTree& tree_;
+    double middle_y_;
     double voxel_m_;
     double side_;
     double clearance_;
@@ -101,8 +102,10 @@ std::vector<Vec3> suggest_probes(const Scene& scene, int count, uint64_t seed) {
     if (count < 0) throw std::invalid_argument("the number of probes is at least 0");
     std::vector<Vec3> probes;
     if (count == 0 || scene.tree.empty()) return probes;
-    const Search search(scene);
-    const GroundPlan plan = plan_of(scene.tree);
+    const Box box = box_of(scene.tree);
+    const Search search(scene, box);
+    const Vec2 side(box.hi.x - box.lo.x, box.hi.z - box.lo.z);
+    const Vec2 corner = Vec2(box.lo.x, box.lo.z) + kMargin * side;
     const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
     const int rows = (count + columns - 1) / columns;
     for (int i = 0; i < count; ++i) {
@@ -114,7 +117,7 @@ std::vector<Vec3> suggest_probes(const Scene& scene, int count, uint64_t seed) {
             const double z = random.uniform();
             const double height_m = kLowest_m + (kHighest_m - kLowest_m) * random.uniform();
             const Vec2 share = (Vec2(i % columns, row) + Vec2(x, z)) / Vec2(in_row, rows);
-            const Vec2 at = plan.lo + (plan.hi - plan.lo) * share;
+            const Vec2 at = corner + (1.0 - 2.0 * kMargin) * side * share;
             const bool last_resort = attempt >= kTries / 2;
             if (const auto position = search.above(at, height_m, last_resort)) {
                 probes.push_back(scene.to_metres(*position));

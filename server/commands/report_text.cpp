@@ -29,6 +29,7 @@ std::string settings_text(const Json& settings) {
         const std::string grid = std::to_string(settings["leaf_grid"].get<int>());
         text += " " + grid + "x" + grid;
     }
+    if (settings.contains("spread")) text += " " + fixed(settings["spread"], 3);
     return text;
 }
 
@@ -43,17 +44,17 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
                        target["metric"].get<std::string>() + " " + target["value"].dump() +
                        " against " + target["against"].get<std::string>() + "\n\n";
 
-    Table table(
-        {"probe/state", "result", "dB or SSIM", "rays/px", "rays", "steps", "seconds", "settings"});
+    Table table({"probe/state", "result", "evidence", "dB or SSIM", "rays/px", "rays", "steps",
+                 "seconds", "settings"});
     for (const Json& row : rows) {
         const Json& cost = row["cost"];
         const uint64_t rays = cost["render"]["rays"].get<uint64_t>() +
                               cost["render"]["discarded_rays"].get<uint64_t>();
-        table.add({row["probe"].get<std::string>() + "/" + row["state"].get<std::string>(),
-                   row["result"], row.contains("error") ? error_text(row["error"]) : "-",
-                   fixed(cost["rays_per_pixel"], 2), grouped(rays),
-                   grouped(cost["render"]["steps"]), fixed(cost["render"]["seconds"], 3),
-                   settings_text(row["settings"])});
+        table.add(
+            {row["probe"].get<std::string>() + "/" + row["state"].get<std::string>(), row["result"],
+             row["evidence"], row.contains("error") ? error_text(row["error"]) : "-",
+             fixed(cost["rays_per_pixel"], 2), grouped(rays), grouped(cost["render"]["steps"]),
+             fixed(cost["render"]["seconds"], 3), settings_text(row["settings"])});
     }
     text += table.text() + "\n";
 

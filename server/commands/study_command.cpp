@@ -1,5 +1,6 @@
 // probebake study NAME: what the documents behind this renderer say, recomputed.
 #include <charconv>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <vector>
@@ -15,10 +16,14 @@ struct ErrorTableOptions {
     bool csv = false;
     bool json = false;
     std::vector<int> masks;
-    std::vector<std::string> directions;
+    std::vector<std::string> directions;  // as typed
+    std::vector<Vec3> unit_directions;
 };
 
-/// "0,0.6,-0.8"; whether it is a unit direction is checked by the table.
+/// How far the length of a direction may be off for want of digits: "0.58,0.58,0.58".
+constexpr double kTypedUnit = 0.01;
+
+/// "0,0.6,-0.8", scaled to unit length where few digits left it near that.
 Vec3 parse_direction(const std::string& text) {
     Vec3 d(0.0);
     const char* at = text.data();
@@ -31,7 +36,11 @@ Vec3 parse_direction(const std::string& text) {
         }
         at = last ? rest : rest + 1;
     }
-    return d;
+    const double length = glm::length(d);
+    if (!(std::abs(length - 1.0) <= kTypedUnit)) {
+        throw CLI::ValidationError("--direction", "expected unit length, not " + text);
+    }
+    return std::abs(length - 1.0) < 1e-12 ? d : d / length;
 }
 
 Json write_deviation(const Deviation& deviation) {
@@ -69,12 +78,7 @@ int error_table(const ErrorTableOptions& options) {
         rows.masks.clear();
         for (const int mask : options.masks) rows.masks.push_back(static_cast<uint8_t>(mask));
     }
-    if (!options.directions.empty()) {
-        rows.directions.clear();
-        for (const std::string& text : options.directions) {
-            rows.directions.push_back(parse_direction(text));
-        }
-    }
+    if (!options.unit_directions.empty()) rows.directions = options.unit_directions;
     write_error_csv(std::cout, rows);
     std::cout.flush();
     return std::cout.good() ? 0 : 1;
@@ -99,7 +103,12 @@ void add_study_command(CLI::App& app, CommandWork& work) {
         ->add_option("--direction", options->directions,
                      "Only this unit direction X,Y,Z; repeatable")
         ->allow_extra_args(false);
-    command->callback([options, &work] { work = [options] { return error_table(*options); }; });
+    command->callback([options, &work] {
+        for (const std::string& text : options->directions) {
+            options->unit_directions.push_back(parse_direction(text));
+        }
+        work = [options] { return error_table(*options); };
+    });
 }
 
 }  // namespace probebake

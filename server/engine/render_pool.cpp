@@ -21,7 +21,9 @@ RenderPool::LowPriority::~LowPriority() { observe(false); }
 
 void RenderPool::LowPriority::on_scheduler_entry(bool is_worker) {
     // 0 is the calling thread; a failure leaves it at its priority, which is no harm.
-    if (is_worker) ::setpriority(PRIO_PROCESS, 0, kRenderNiceness);
+    if (is_worker && ::getpriority(PRIO_PROCESS, 0) < kRenderNiceness) {
+        ::setpriority(PRIO_PROCESS, 0, kRenderNiceness);
+    }
 }
 
 RenderPool::RenderPool(int threads)

@@ -50,7 +50,8 @@ TEST_F(BakeProbeTest, TheFileHoldsTheCubemapAndWhatIsKnownOfIt) {
     EXPECT_TRUE(attributes.valid);
     const double mse = result.certificate.error.mse.value;
     EXPECT_NEAR(attributes.numbers.at("probe:err:rmse"), std::sqrt(mse), 1e-12);
-    EXPECT_EQ(attributes.numbers.at("probe:err:pixels"), 64.0);
+    EXPECT_EQ(attributes.numbers.at("probe:err:pixels"),
+              static_cast<double>(result.certificate.pixels));
 
     const RenderScene what = render_scene(scene_, job.probes[1], LightingState::kAlbedo);
     const CubemapRender expected = render_cubemap(what, scene_.to_voxels(job.probes[1].position_m),
@@ -158,10 +159,14 @@ TEST_F(BakeProbeTest, EmissionIsASeparateState) {
     EXPECT_EQ(brightest(LightingState::kEmission), 1048576.0f);  // a 1e6 emitter survives
 }
 
-TEST_F(BakeProbeTest, AuditPixelsGrowWithTheCube) {
-    EXPECT_EQ(audit_pixels({}, 16), 64);
-    EXPECT_EQ(audit_pixels({}, 64), 245);
-    EXPECT_EQ(audit_pixels({.pixels_per_probe = 999}, 16), 999);
+TEST_F(BakeProbeTest, AuditPixelsGrowWithTheCubeAndWithWhatWasSpentOnIt) {
+    EXPECT_EQ(audit_pixels({}, 4, 16, 0), 64);
+    EXPECT_EQ(audit_pixels({}, 4, 64, 0), 245);
+    EXPECT_EQ(audit_pixels({}, 4, 64, 32'000), 1000);  // 2 × 16 rays for each
+    EXPECT_EQ(audit_pixels({}, 8, 64, 32'000), 250);
+    EXPECT_EQ(audit_pixels({.against = Against::kReference}, 4, 64, 32'000), 2000);
+    EXPECT_EQ(audit_pixels({}, 4, 64, 1e9), 2457);
+    EXPECT_EQ(audit_pixels({.evidence = {.pixels_per_probe = 999}}, 4, 16, 0), 999);
 }
 
 }  // namespace

@@ -38,6 +38,28 @@ TEST(SuggestProbes, LiesInFreeAirAboveTheGroundAllOverALandscape) {
     EXPECT_NE(probes, suggest_probes(scene, 16, 2));
 }
 
+TEST(SuggestProbes, PrefersWhatHasGroundBelow) {
+    // Four islands; all between them is empty.
+    VoxelCloud cloud;
+    cloud.depth = 8;
+    for (const IVec3& island : {IVec3(20, 5, 20), IVec3(180, 9, 40), IVec3(30, 7, 190)}) {
+        for (int i = 0; i < 48 * 48; ++i) {
+            cloud.voxels.push_back(make_voxel(island + IVec3(i % 48, 0, i / 48), 1));
+        }
+    }
+    Scene scene;
+    scene.tree = VoxelTree::build(std::move(cloud));
+    const std::vector<Vec3> probes = suggest_probes(scene, 4);
+    ASSERT_EQ(probes.size(), 4u);
+    int grounded = 0;
+    for (const Vec3& probe : probes) {
+        const Hit below = trace(scene.tree, {scene.to_voxels(probe), {0.0, -1.0, 0.0}});
+        grounded += below ? 1 : 0;
+        EXPECT_LT(scene.to_voxels(probe).y, 30.0);  // not in the sky of a flat world
+    }
+    EXPECT_EQ(grounded, 3);
+}
+
 TEST(SuggestProbes, FindsRoomInEveryGeneratedScene) {
     for (const GeneratorInfo& info : generators()) {
         const Scene scene = scene_of({std::string(info.name), info.min_size, 3});

@@ -20,10 +20,11 @@ struct Wanted {
 
 /// A row's text that becomes part of a path: a service must not lead us out of our folder.
 std::string safe_name(const Json& row, const char* key) {
-    const auto name = row.at(key).get<std::string>();
-    if (!is_name(name))
+    auto name = row.at(key).get<std::string>();
+    if (!is_name(name)) {
         throw ServiceError(0, "the service sent a row whose " + std::string(key) +
                                   " is no name: " + dump_json(name));
+    }
     return name;
 }
 

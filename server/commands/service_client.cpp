@@ -5,7 +5,7 @@
 namespace probebake {
 namespace {
 
-constexpr size_t kMaxProblemBytes = 64 * 1024;
+constexpr size_t kMaxProblemBytes = size_t{64} << 10;
 
 /// What a refusal says, whoever wrote it: a proxy may stand in between.
 std::string problem_text(int status, const std::string& body) {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr uint64_t kMaxPage = 100;
 constexpr uint64_t kDefaultPage = 50;
-constexpr size_t kChunkBytes = 64 * 1024;
+constexpr size_t kChunkBytes = size_t{64} << 10;
 
 /// Streams an open file. The library's idea of offset and length is bounded by the file.
 void answer_file(std::shared_ptr<const OpenFile> file, const char* type,

@@ -16,7 +16,7 @@
 namespace probebake {
 
 struct GuardLimits {
-    size_t max_head_bytes = 16 * 1024;
+    size_t max_head_bytes = size_t{16} << 10;
     size_t max_target_bytes = 2048;
     size_t max_headers = 64;
     uint64_t max_body_bytes = uint64_t{1} << 20;

@@ -40,6 +40,7 @@ TEST_F(SceneCacheTest, LoadsAScenOnceForEverybody) {
     std::vector<std::shared_ptr<const Scene>> scenes(8);
     {
         std::vector<std::jthread> askers;
+        askers.reserve(scenes.size());
         for (auto& slot : scenes) {
             askers.emplace_back([&] { slot = cache.get(file, cancel_); });
         }

@@ -49,13 +49,14 @@ Files without_http() {
 Files over_http(const RunningService& service) {
     const std::string id = service.bake(request());
     Files files;
-    const Json page = service.get("/v1/bakes/" + id + "/probes").json();
+    const std::string path = "/v1/bakes/" + id + "/probes";
+    const Json page = service.get(path).json();
     for (const Json& row : page.at("rows")) {
         for (const Json& file : row.at("files")) {
-            const std::string name = row.at("probe").get<std::string>() + "/" +
+            const std::string name = "/" + row.at("probe").get<std::string>() + "/" +
                                      row.at("state").get<std::string>() + "/" +
                                      file.at("name").get<std::string>();
-            const std::string body = service.get("/v1/bakes/" + id + "/probes/" + name).body;
+            const std::string body = service.get(path + name).body;
             files[name] = sha256_hex(std::as_bytes(std::span(body)));
         }
     }

@@ -145,6 +145,7 @@ TEST_F(JobManagerTest, RunsSoManyAtOnceAndQueuesSoMany) {
     gated_ = true;
     start({.max_running = 2, .max_queued = 3});
     std::vector<std::string> ids;
+    ids.reserve(5);
     for (int i = 0; i < 2; ++i) ids.push_back(submit(test::net_request(1)));
     wait_for_waiting(2);
     for (int i = 0; i < 3; ++i) ids.push_back(submit(test::net_request(1)));
@@ -289,7 +290,7 @@ TEST_F(JobManagerTest, ForgetsTheOldestFinishedJobs) {
 }
 
 TEST_F(JobManagerTest, ForgetsByBytesButNeverTheNewest) {
-    start({.keep_bytes = 3 * 4096});
+    start({.keep_bytes = 12 << 10});
     const std::string first = submit(test::net_request(2));
     wait_until_ended(first);
     EXPECT_TRUE(manager_->find(first));

@@ -27,6 +27,7 @@ class Process {
         std::filesystem::create_directories(folder);
         args.insert(args.begin(), PROBEBAKE_BINARY);
         std::vector<char*> argv;
+        argv.reserve(args.size() + 1);
         for (std::string& arg : args) argv.push_back(arg.data());
         argv.push_back(nullptr);
         posix_spawn_file_actions_t actions;

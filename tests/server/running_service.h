@@ -93,7 +93,7 @@ class RunningService {
         return wait(id, [](const Json& bake) { return bake.contains("ended_at"); });
     }
     std::string bake(const Json& request) const {
-        const std::string id = submit(request);
+        std::string id = submit(request);
         const Json ended = wait_until_ended(id);
         EXPECT_EQ(ended.at("state"), "SUCCEEDED") << ended.dump();
         return id;

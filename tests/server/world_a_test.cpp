@@ -31,8 +31,9 @@ TEST(WorldA, EightProbesMeetAPsnrTargetOverHttp) {
         id, [](const Json& bake) { return bake.contains("ended_at"); }, std::chrono::seconds(300));
     ASSERT_EQ(ended.at("state"), "SUCCEEDED") << ended.dump();
 
-    const Json report = service.get("/v1/bakes/" + id + "/report").json();
-    const Json page = service.get("/v1/bakes/" + id + "/probes").json();
+    const std::string path = "/v1/bakes/" + id;
+    const Json report = service.get(path + "/report").json();
+    const Json page = service.get(path + "/probes").json();
     const auto rows = page.at("rows").get<std::vector<Json>>();
     std::printf("%s\n", report_text(report, rows).c_str());
 
@@ -44,8 +45,7 @@ TEST(WorldA, EightProbesMeetAPsnrTargetOverHttp) {
     for (const Json& row : rows) {
         EXPECT_EQ(row.at("result"), "target_met") << row.dump();
         const auto probe = row.at("probe").get<std::string>();
-        const std::string body =
-            service.get("/v1/bakes/" + id + "/probes/" + probe + "/albedo/cube.exr").body;
+        const std::string body = service.get(path + "/probes/" + probe + "/albedo/cube.exr").body;
         const std::span<const char> text(body);
         const DecodedCubemap cube = decode_cubemap(std::as_bytes(text), probe);
         EXPECT_EQ(cube.cubemap.face_size(), 64);

@@ -57,7 +57,7 @@ Files over_http(const RunningService& service) {
                                      row.at("state").get<std::string>() + "/" +
                                      file.at("name").get<std::string>();
             const std::string body = service.get(path + name).body;
-            files[name] = sha256_hex(std::as_bytes(std::span(body)));
+            files[name.substr(1)] = sha256_hex(std::as_bytes(std::span(body)));
         }
     }
     return files;

@@ -14,12 +14,6 @@ namespace {
 
 constexpr double kUniformShare = 0.5;
 
-CubePixel pixel_at(size_t index, int n) {
-    const auto size = static_cast<size_t>(n);
-    return {kCubeFaces[index / (size * size)], static_cast<int>(index % size),
-            static_cast<int>(index / size % size)};
-}
-
 /// Largest squared difference of luminance to the four neighbours on the face.
 double contrast(const Cubemap& cube, const CubePixel& p) {
     const int n = cube.face_size();

@@ -80,13 +80,13 @@ CubePixel owner_of(const CubePixel& pixel, int n) {
             d = {u, -v, -last};
             break;
     }
-    const auto pixel_at = [&](CubeFace face, int at_u, int at_v) {
+    const auto on_face = [&](CubeFace face, int at_u, int at_v) {
         return CubePixel{face, (at_u + last) / 2, (at_v + last) / 2};
     };
-    if (d[0] == last) return pixel_at(CubeFace::kPosX, d[2], -d[1]);
-    if (d[0] == -last) return pixel_at(CubeFace::kNegX, -d[2], -d[1]);
-    if (d[1] == last) return pixel_at(CubeFace::kPosY, d[0], -d[2]);
-    if (d[1] == -last) return pixel_at(CubeFace::kNegY, d[0], d[2]);
+    if (d[0] == last) return on_face(CubeFace::kPosX, d[2], -d[1]);
+    if (d[0] == -last) return on_face(CubeFace::kNegX, -d[2], -d[1]);
+    if (d[1] == last) return on_face(CubeFace::kPosY, d[0], -d[2]);
+    if (d[1] == -last) return on_face(CubeFace::kNegY, d[0], d[2]);
     return pixel;
 }
 

@@ -31,6 +31,13 @@ struct CubePixel {
     bool operator==(const CubePixel&) const = default;
 };
 
+/// The pixel at a place of a cubemap's image, which holds its faces one below the other.
+inline CubePixel pixel_at(size_t index, int face_size_px) {
+    const auto n = static_cast<size_t>(face_size_px);
+    return {kCubeFaces[index / (n * n)], static_cast<int>(index % n),
+            static_cast<int>(index / n % n)};
+}
+
 /// The direction (not normalised: its largest component is ±1 for |u|, |v| ≤ 1) of a point of a
 /// face.
 Vec3 face_direction(CubeFace face, double u, double v);

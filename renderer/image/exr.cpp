@@ -19,13 +19,6 @@ struct HalfRgb {
     Imath::half r, g, b;
 };
 
-/// The pixel at a place in a cubemap's image.
-CubePixel pixel_at(size_t index, int n) {
-    const size_t width = static_cast<size_t>(n);
-    return {kCubeFaces[index / (width * width)], static_cast<int>(index % width),
-            static_cast<int>(index / width % width)};
-}
-
 std::string name_of(const CubePixel& pixel) {
     return "face " + std::string(kFaceNames[static_cast<size_t>(index_of(pixel.face))]) +
            ", pixel (" + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) + ")";

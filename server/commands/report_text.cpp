@@ -29,7 +29,7 @@ std::string settings_text(const Json& settings) {
         const std::string grid = std::to_string(settings["leaf_grid"].get<int>());
         text += " " + grid + "x" + grid;
     }
-    if (settings.contains("spread")) text += " " + fixed(settings["spread"], 3);
+    if (settings.contains("spread")) text += " spread " + fixed(settings["spread"], 3);
     return text;
 }
 

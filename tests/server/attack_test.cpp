@@ -277,8 +277,10 @@ TEST(Attack, IdleConnectionsBlockOthersForABoundedTimeOnly) {
         options.http.pool = {.workers = 4, .max_waiting = 8, .max_refusals_waiting = 4};
     });
     std::vector<RawClient> idle;
+    idle.reserve(4);
     for (int i = 0; i < 4; ++i) idle.emplace_back(service.port());
     std::this_thread::sleep_for(50ms);
+    idle.reserve(8);
     for (int i = 0; i < 8; ++i) idle.emplace_back(service.port());
     std::this_thread::sleep_for(50ms);
     // Four are served and eight wait: whoever comes now is told so at once.
@@ -301,6 +303,7 @@ TEST(Attack, AFloodOfConnectionsIsShed) {
         options.http.pool = {.workers = 2, .max_waiting = 4, .max_refusals_waiting = 4};
     });
     std::vector<RawClient> flood;
+    flood.reserve(300);
     for (int i = 0; i < 300; ++i) flood.emplace_back(service.port());
     size_t told = 0;
     for (RawClient& client : flood) told += status_of(client.read_all()) == 503 ? 1 : 0;

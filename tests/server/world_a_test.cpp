@@ -45,7 +45,9 @@ TEST(WorldA, EightProbesMeetAPsnrTargetOverHttp) {
     for (const Json& row : rows) {
         EXPECT_EQ(row.at("result"), "target_met") << row.dump();
         const auto probe = row.at("probe").get<std::string>();
-        const std::string body = service.get(path + "/probes/" + probe + "/albedo/cube.exr").body;
+        std::string file = path;
+        file.append("/probes/").append(probe).append("/albedo/cube.exr");
+        const std::string body = service.get(file).body;
         const std::span<const char> text(body);
         const DecodedCubemap cube = decode_cubemap(std::as_bytes(text), probe);
         EXPECT_EQ(cube.cubemap.face_size(), 64);

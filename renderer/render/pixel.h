@@ -58,7 +58,7 @@ inline Rgb shade(const RenderScene& scene, const Hit& hit) {
 
 /// A ray through a pixel and its cone: the largest node edge per distance that the footprint
 /// `pixels` wide may show as one node. The node's edge is at most √2 footprints, which rounds the
-/// level to the nearest one (docs/design "error_aware"; Müller 2020, 5.1.3).
+/// level to the nearest one (Müller 2020, 5.1.3).
 struct PixelRay {
     Ray ray;
     double cone = 0.0;

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 namespace probebake {
 namespace {
+
+/// Of a budget of seconds, what the pilot may use before it takes what it has.
+constexpr double kPilotShare = 0.5;
 
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
 /// at its end, where a pixel may cost hundreds of rays.
@@ -17,8 +21,8 @@ constexpr size_t kCurveBeyond[] = {1, 3};
 class Search {
   public:
     Search(const JobSpec& job, const Plan& plan, PilotSample& pixels,
-           const std::optional<TimeBudget>& time)
-        : job_(job), plan_(plan), pixels_(pixels), time_(time) {}
+           const std::optional<TimeBudget>& time, const std::function<bool()>& out_of_time)
+        : job_(job), plan_(plan), pixels_(pixels), time_(time), out_of_time_(out_of_time) {}
 
     /// Fills the pilot's settings, expectation and finer candidates; returns the whole frontier,
     /// cheapest first, and which of it was chosen.
@@ -75,7 +79,7 @@ class Search {
                             [&](const Candidate& candidate) { return !affordable(candidate); });
             best = frontier(std::move(candidates), job_.quality.target);
             const bool enough = ray_target() ? too_much : cheapest_that_meets(best) < best.size();
-            if (enough || !refines_further) break;
+            if (enough || !refines_further || out_of_time_()) break;
         }
         return best;
     }
@@ -145,6 +149,7 @@ class Search {
     const Plan& plan_;
     PilotSample& pixels_;
     const std::optional<TimeBudget>& time_;
+    const std::function<bool()>& out_of_time_;
 };
 
 /// Settings of the curve: LOD only, some of the way to the chosen ones, these, and beyond.
@@ -173,6 +178,12 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, LightingState state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [start] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    const std::function<bool()> out_of_time = [&] {
+        return time && seconds() > kPilotShare * time->seconds;
+    };
     PilotSample pixels(scene, job, state, cancel);
     Pilot pilot{
         .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
@@ -181,7 +192,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
         pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast
         measured = {pilot.settings};
     } else if (plan.needs_pilot) {
-        const auto [frontier, chosen] = Search(job, plan, pixels, time).run(pilot);
+        const auto [frontier, chosen] = Search(job, plan, pixels, time, out_of_time).run(pilot);
         measured = curve_settings(frontier, chosen, pilot.settings);
     } else {
         pilot.settings = *job.quality.settings;
@@ -191,6 +202,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
         measured = curve_settings(pilot.settings);
     }
     for (const RenderSettings& settings : measured) {
+        if (out_of_time() && settings != pilot.settings) continue;
         pilot.curve.push_back(pixels.render(settings));
         const CurvePoint& point = pilot.curve.back();
         pilot.curve_cost.rays += point.rays;
@@ -201,8 +213,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
                      [](const CurvePoint& a, const CurvePoint& b) { return a.steps < b.steps; });
     pilot.pixels = pixels.sample().pixels.size();
     pilot.search_cost = pixels.search_cost();
-    pilot.wall_seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    pilot.wall_seconds = seconds();
     return pilot;
 }
 

@@ -105,7 +105,7 @@ TEST_F(BakeRunTest, ABudgetOfSecondsIsKept) {
     const Outcome out = bake(read_job(request), 2);
     EXPECT_EQ(out.report["deterministic"], false);
     // Of a busy machine, too: what the job would take without is minutes then.
-    EXPECT_LT(out.report["totals"]["wall_seconds"].get<double>(), 20.0);
+    EXPECT_LT(out.report["totals"]["wall_seconds"].get<double>(), 60.0);
     EXPECT_EQ(out.sha256.size(), 40u);
     int exhausted = 0;
     for (const Json& row : out.rows) exhausted += row["result"] == "budget_exhausted" ? 1 : 0;

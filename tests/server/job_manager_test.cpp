@@ -74,7 +74,7 @@ class JobManagerTest : public testing::Test {
     }
     JobSnapshot wait_until(const std::string& id,
                            const std::function<bool(const JobSnapshot&)>& reached) {
-        for (int i = 0; i < 12000; ++i) {
+        for (int i = 0; i < 60000; ++i) {  // five minutes, for a busy machine
             const std::optional<JobSnapshot> job = manager_->find(id);
             if (job && reached(*job)) return *job;
             std::this_thread::sleep_for(5ms);

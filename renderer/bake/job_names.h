@@ -10,8 +10,8 @@ inline constexpr std::array<std::string_view, 2> kStateNames = {"albedo", "emiss
 inline constexpr std::array<std::string_view, 4> kMetricNames = {"psnr_db", "rmse", "ssim", "rays"};
 inline constexpr std::array<std::string_view, 2> kAgainstNames = {"truth", "reference"};
 /// Those of RendererKind, then "auto": the plan chooses.
-inline constexpr std::array<std::string_view, 5> kRendererNames = {"reference", "lod", "adaptive",
-                                                                   "error_aware", "auto"};
+inline constexpr std::array<std::string_view, 6> kRendererNames = {
+    "reference", "lod", "adaptive", "error_aware", "hybrid", "auto"};
 inline constexpr std::array<std::string_view, 2> kWeightingNames = {"uniform", "solid_angle"};
 inline constexpr std::array<std::string_view, 2> kMissesNames = {"left_out", "black"};
 inline constexpr std::array<std::string_view, 2> kProductNames = {"cube", "aux"};

@@ -230,11 +230,13 @@ class JobReader {
         RenderSettings settings;
         settings.threshold = reader.number("threshold", {-1.0, 1e6}, settings.threshold);
         settings.decay = reader.number("decay", {0.0, 10.0}, settings.decay);
-        const int64_t grid = reader.integer("leaf_grid", 4, 16, settings.leaf_grid);
+        const bool hybrid = spec_.quality.renderer == RendererKind::kHybrid;
+        const int64_t grid = reader.integer("leaf_grid", 4, 16, hybrid ? 16 : 4);
         if (grid != 4 && grid != 8 && grid != 16) {
             issues_.unacceptable(reader.pointer_to("leaf_grid"), "expected 4, 8 or 16");
         }
         settings.leaf_grid = static_cast<int>(grid);
+        settings.price = reader.number("price", {-1.0, 1e12}, settings.price);
         settings.spread = reader.optional_number("spread", {0.0, 1e9}).value_or(settings.spread);
         if (reader.has("fixed_level")) {
             settings.fixed_level =

@@ -48,12 +48,14 @@ Json write_settings(const RenderSettings& settings) {
         json["threshold"] = settings.threshold;
         json["decay"] = settings.decay;
     }
-    if (settings.kind == RendererKind::kErrorAware || settings.kind == RendererKind::kReference) {
+    if (settings.kind == RendererKind::kErrorAware || settings.kind == RendererKind::kReference ||
+        settings.kind == RendererKind::kHybrid) {
         json["leaf_grid"] = settings.leaf_grid;
     }
     if (settings.kind == RendererKind::kErrorAware && std::isfinite(settings.spread)) {
         json["spread"] = settings.spread;
     }
+    if (settings.kind == RendererKind::kHybrid) json["price"] = settings.price;
     if (settings.kind == RendererKind::kAdaptive) {
         json["normaliser"] = settings.normaliser;
         json["misses_in_kernel"] = kMissesNames[static_cast<size_t>(settings.misses_in_kernel)];

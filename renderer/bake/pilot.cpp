@@ -18,6 +18,11 @@ constexpr double kPilotShare = 0.5;
 constexpr size_t kCurveBefore = 4;
 constexpr size_t kCurveBeyond[] = {1, 3};
 
+/// Whether a ray limit leaves out what promises least.
+bool spends_where_it_counts(const RenderSettings& settings) {
+    return settings.kind == RendererKind::kErrorAware || settings.kind == RendererKind::kHybrid;
+}
+
 class Search {
   public:
     Search(const JobSpec& job, const Plan& plan, PilotSample& pixels,
@@ -41,8 +46,8 @@ class Search {
             // One finer than the budget pays for on average: the ray limit of each probe then
             // spends what there is where the errors are largest.
             const bool spreads = limited_by_rays() &&
-                                 all[affordable].settings.kind == RendererKind::kErrorAware &&
-                                 all[affordable + 1].settings.kind == RendererKind::kErrorAware;
+                                 spends_where_it_counts(all[affordable].settings) &&
+                                 spends_where_it_counts(all[affordable + 1].settings);
             chosen = spreads ? affordable + 1 : affordable;
             if (!ray_target()) pilot.expectation = Expectation::kBudgetExhausted;
         }
@@ -62,8 +67,7 @@ class Search {
     /// Compares candidates with finer and finer leaf rays, until some meet the target.
     std::vector<Candidate> compare(Pilot& pilot) {
         const RendererKind kind = plan_.renderers.front();
-        const bool refines_further =
-            kind == RendererKind::kErrorAware || kind == RendererKind::kReference;
+        const bool refines_further = kind != RendererKind::kLod && kind != RendererKind::kAdaptive;
         std::vector<Candidate> best;
         for (const int leaf_grid : kLeafGrids) {
             pixels_.extend(plan_.renderers, leaf_grid);
@@ -90,6 +94,8 @@ class Search {
         switch (plan_.renderers.front()) {
             case RendererKind::kErrorAware:
                 return {.threshold = -1.0};
+            case RendererKind::kHybrid:
+                return {.kind = RendererKind::kHybrid, .price = -1.0};
             case RendererKind::kReference:
                 return {.kind = RendererKind::kReference};
             case RendererKind::kAdaptive:
@@ -196,8 +202,9 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
         measured = curve_settings(frontier, chosen, pilot.settings);
     } else {
         pilot.settings = *job.quality.settings;
-        if (pilot.settings.kind == RendererKind::kAdaptive) {
-            pixels.extend({RendererKind::kAdaptive}, kLeafGrids.front());
+        if (pilot.settings.kind == RendererKind::kAdaptive ||
+            pilot.settings.kind == RendererKind::kHybrid) {  // they look at neighbours
+            pixels.extend({pilot.settings.kind}, kLeafGrids.front());
         }
         measured = curve_settings(pilot.settings);
     }

@@ -147,7 +147,14 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
         const auto record = [&](int grid) {
             record_leaves(at.scene, at.view, at.owner.x, at.owner.y, grid, pixel.record, stats);
         };
-        if (first_time) {
+        if (first_time && kind == RendererKind::kHybrid) {
+            pixel.hybrid.evidence.contrast = contrast_at(at, stats);
+        }
+        while (kind == RendererKind::kHybrid && pixel.hybrid.recorded < kHybridStages &&
+               stage_grid(pixel.hybrid.recorded) <= leaf_grid) {
+            record_stage(at.scene, at.view, at.owner.x, at.owner.y, pixel.hybrid, stats);
+        }
+        if (first_time && kind != RendererKind::kHybrid) {
             pixel.record = record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
         }
         if (kind == RendererKind::kLod) return;
@@ -161,22 +168,41 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
     });
 }
 
+/// Calls visit(place in the block, pixel) for the pixels of the 3×3 block around a pixel that its
+/// face owns.
+template <class Visit>
+void for_each_near(const CubePixel& middle, int n, Visit visit) {
+    for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+            const CubePixel near{middle.face, middle.x + i, middle.y + j};
+            const bool inside = near.x >= 0 && near.y >= 0 && near.x < n && near.y < n;
+            if (inside && owner_of(near, n) == near) {
+                visit(static_cast<size_t>(3 * (j + 1) + i + 1), near);
+            }
+        }
+    }
+}
+
+/// The contrast that the hybrid renderer sees at a pixel.
+double PilotSample::contrast_at(const Target& at, CostStats& stats) const {
+    std::array<Neighbour, 9> block;
+    for_each_near(at.owner, at.view.width_px, [&](size_t place, const CubePixel& near) {
+        const HybridStage first = hybrid_stage(at.scene, at.view, near.x, near.y, 0);
+        stats += first.cost;
+        block[place] = {first.sums.mean(), true};
+    });
+    return neighbour_contrast(block);
+}
+
 /// The adaptive renderer's variation of one pixel, from the first rays of its neighbours.
 double PilotSample::variation_at(const Target& at, CostStats& stats) const {
     std::array<OneRayPixel, 9> pixels{};
-    for (int j = -1; j <= 1; ++j) {
-        for (int i = -1; i <= 1; ++i) {
-            const CubePixel near{at.owner.face, at.owner.x + i, at.owner.y + j};
-            const int n = at.view.width_px;
-            const bool inside = near.x >= 0 && near.y >= 0 && near.x < n && near.y < n;
-            if (!inside || !(owner_of(near, n) == near)) continue;
-            CostStats one;
-            const Rgb color = lod_pixel(at.scene, at.view, near.x, near.y, {}, one).mean();
-            pixels[static_cast<size_t>(3 * (j + 1) + i + 1)] = {luminance(color), true,
-                                                                one.missed_rays == 0};
-            stats += one;
-        }
-    }
+    for_each_near(at.owner, at.view.width_px, [&](size_t place, const CubePixel& near) {
+        CostStats one;
+        const Rgb color = lod_pixel(at.scene, at.view, near.x, near.y, {}, one).mean();
+        pixels[place] = {luminance(color), true, one.missed_rays == 0};
+        stats += one;
+    });
     return luminance_variation(pixels, 3, 3, 1, 1, MissesInKernel::kLeftOut);
 }
 
@@ -193,6 +219,10 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
                     return lod_pixel(at.scene, at.view, x, y, settings, stats);
                 case RendererKind::kErrorAware:
                     return error_aware_pixel(at.scene, at.view, x, y, settings, stats);
+                case RendererKind::kHybrid:
+                    return hybrid_pixel(at.scene, at.view, x, y,
+                                        sample_.pixels[at.index].hybrid.evidence.contrast, settings,
+                                        stats);
                 case RendererKind::kAdaptive:
                     break;
             }

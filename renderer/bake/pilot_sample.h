@@ -59,6 +59,7 @@ class PilotSample {
     void cast_truth();
     void set_exposure();
     double truth_noise() const;
+    double contrast_at(const Target& target, CostStats& stats) const;
     double variation_at(const Target& target, CostStats& stats) const;
     template <class Cast>
     CostStats for_each_pixel(Cast cast) const;

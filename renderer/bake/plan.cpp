@@ -36,10 +36,14 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     if (job.quality.renderer) {
         plan.renderers = {*job.quality.renderer};
     } else {
-        plan.renderers = {RendererKind::kErrorAware, RendererKind::kReference};
+        // The hybrid's colours are nearer to the truth than 4 × 4 leaf rays are: not what a job
+        // wants that measures against these.
+        plan.renderers = job.quality.against == Against::kTruth
+                             ? std::vector{RendererKind::kHybrid}
+                             : std::vector{RendererKind::kErrorAware, RendererKind::kReference};
     }
-    plan.needs_error_table =
-        std::count(plan.renderers.begin(), plan.renderers.end(), RendererKind::kErrorAware) > 0;
+    plan.needs_error_table = plan.renderers.front() == RendererKind::kErrorAware ||
+                             plan.renderers.front() == RendererKind::kHybrid;
     plan.needs_pilot = !job.quality.settings;
     plan.needs_audit = job.quality.evidence.audit;
     plan.left_out = unneeded(scene, job, plan);

@@ -13,6 +13,7 @@ namespace {
 constexpr size_t kWindowPixels = size_t{kSsimWindow_px} * kSsimWindow_px;
 constexpr int kThresholds = 12;
 constexpr int kSpreads = 12;
+constexpr int kPrices = 64;
 
 /// `count` quantiles of the positive values, largest first.
 std::vector<double> quantiles(std::vector<double> values, int count) {
@@ -71,6 +72,8 @@ ReplayedPixel replay(const SearchPixel& pixel, const RenderSettings& settings) {
             return {first.color, first.rays, first.steps};
         case RendererKind::kErrorAware:
             return replay_error_aware(pixel.record, settings);
+        case RendererKind::kHybrid:
+            return replay_hybrid(pixel.hybrid, settings);
         case RendererKind::kAdaptive:
             break;
     }
@@ -159,6 +162,21 @@ std::vector<RenderSettings> error_aware_settings(const SearchSample& sample, int
     return all;
 }
 
+std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, int max_leaf_grid) {
+    std::vector<double> gains;
+    for (const SearchPixel& pixel : sample.pixels) {
+        for (int stage = 0; stage + 1 < pixel.hybrid.recorded; ++stage) {
+            gains.push_back(pixel.hybrid.stages[static_cast<size_t>(stage)].gain);
+        }
+    }
+    std::vector<RenderSettings> all;
+    for (const double price : quantiles(gains, kPrices)) {
+        all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = max_leaf_grid, .price = price});
+    }
+    all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = max_leaf_grid, .price = -1.0});
+    return all;
+}
+
 }  // namespace
 
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
@@ -182,6 +200,9 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
             case RendererKind::kErrorAware:
                 add(error_aware_settings(sample, max_leaf_grid));
                 break;
+            case RendererKind::kHybrid:
+                add(hybrid_settings(sample, max_leaf_grid));
+                break;
         }
     }
     return all;
@@ -197,11 +218,16 @@ std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& ren
         case RendererKind::kReference:
             return reference_settings(kLeafGrids.back(), false);
         case RendererKind::kErrorAware:
+        case RendererKind::kHybrid:
             break;
     }
     std::vector<RenderSettings> all;
     all.reserve(kLeafGrids.size());
     for (const int grid : kLeafGrids) {
+        if (renderers.front() == RendererKind::kHybrid) {
+            all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = grid, .price = -1.0});
+            continue;
+        }
         // Everything to 4 × 4; on from there wherever two rays differ at all.
         all.push_back({.threshold = -1.0, .leaf_grid = grid, .spread = 0.0});
     }

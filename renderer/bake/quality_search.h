@@ -11,6 +11,7 @@
 
 #include "bake/quality.h"
 #include "render/error_aware.h"
+#include "render/hybrid.h"
 
 namespace probebake {
 
@@ -19,6 +20,7 @@ struct SearchPixel {
     double weight = 1.0;  // of its error; mean 1 over the sample
     TruthPair truth;
     RefinementRecord record;
+    HybridRecord hybrid;
     double variation = 0.0;  // of the adaptive renderer's 3×3 kernel
 };
 

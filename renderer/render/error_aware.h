@@ -66,13 +66,6 @@ RefinementRecord record_refinement(const RenderScene& scene, const View& view, i
 void record_leaves(const RenderScene& scene, const View& view, int x, int y, int leaf_grid,
                    RefinementRecord& record, CostStats& stats);
 
-/// What a pixel comes to, all rays counted.
-struct ReplayedPixel {
-    Vec3 color{0.0};
-    uint64_t rays = 0;  // kept and discarded
-    uint64_t steps = 0;
-};
-
 /// As error_aware_pixel would have it, from a record that holds the leaf grids of the settings.
 ReplayedPixel replay_error_aware(const RefinementRecord& record, const RenderSettings& settings);
 

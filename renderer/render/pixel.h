@@ -49,6 +49,13 @@ struct PixelSums {
     double spread() const;
 };
 
+/// What a pixel comes to from recorded rays, all of them counted.
+struct ReplayedPixel {
+    Vec3 color{0.0};
+    uint64_t rays = 0;  // kept and discarded
+    uint64_t steps = 0;
+};
+
 /// Colour of a hit at its own level; the background for a miss.
 inline Rgb shade(const RenderScene& scene, const Hit& hit) {
     if (!hit) return scene.background;

@@ -2,37 +2,15 @@
 
 #include <tbb/parallel_for.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "render/adaptive.h"
 #include "render/error_aware.h"
+#include "render/hybrid_view.h"
+#include "render/tiles.h"
 
 namespace probebake {
 namespace {
-
-/// Rows of a tile: short enough that a cancelled render stops within milliseconds.
-constexpr int kTileRows = 8;
-
-/// Calls render_row(y, stats) for all rows, tiles of rows in parallel.
-template <class RenderRow>
-CostStats for_each_tile(int height_px, const CancelToken& cancel, RenderRow render_row) {
-    const int tiles = (height_px + kTileRows - 1) / kTileRows;
-    std::vector<CostStats> stats(static_cast<size_t>(tiles));
-    tbb::parallel_for(0, tiles, [&](int tile) {
-        if (cancel.cancelled()) return;
-        const auto start = std::chrono::steady_clock::now();
-        CostStats& mine = stats[static_cast<size_t>(tile)];
-        const int end = std::min(height_px, (tile + 1) * kTileRows);
-        for (int y = tile * kTileRows; y < end; ++y) render_row(y, mine);
-        mine.seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    });
-    cancel.throw_if_cancelled();
-    CostStats total;
-    for (const CostStats& tile : stats) total += tile;
-    return total;
-}
 
 class ViewRenderer {
   public:
@@ -70,6 +48,8 @@ class ViewRenderer {
             case RendererKind::kAdaptive:
                 adaptive();
                 break;
+            case RendererKind::kHybrid:
+                return render_hybrid_view(scene_, view_, settings_, cancel_, extent_);
         }
         return std::move(out_);
     }
@@ -91,16 +71,11 @@ class ViewRenderer {
         return static_cast<size_t>(y) * static_cast<size_t>(view_.width_px) +
                static_cast<size_t>(x);
     }
-    void store(int x, int y, const PixelSums& sums) {
-        out_.color.at(x, y) = sums.mean();
-        out_.aux[index(x, y)] = {static_cast<float>(sums.distance),
-                                 static_cast<float>(sums.squared_distance), sums.standard_error(),
-                                 static_cast<float>(sums.samples)};
-    }
+    void store(int x, int y, const PixelSums& sums) { out_.store(x, y, sums); }
 
     template <class RenderPixel>
     void each_pixel(RenderPixel render_pixel) {
-        out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
+        out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (renders(x, y)) store(x, y, render_pixel(x, y, stats));
             }
@@ -121,7 +96,7 @@ class ViewRenderer {
     /// many pixels as the rays that are left can pay for at worst, so that the limit always holds.
     void error_aware_within(uint64_t ray_limit) {
         std::vector<std::vector<Refinable>> rows(static_cast<size_t>(view_.height_px));
-        out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
+        out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
                 const FirstRay first = first_ray(scene_, view_, x, y, settings_);
@@ -162,28 +137,26 @@ class ViewRenderer {
     }
 
     CostStats refine(std::span<const Refinable> pixels) {
-        return for_each_tile(
-            static_cast<int>(pixels.size()), cancel_, [&](int i, CostStats& stats) {
-                const Refinable& pixel = pixels[static_cast<size_t>(i)];
-                stats.discard(pixel.first.hit);
-                store(pixel.x, pixel.y,
-                      refine_pixel(scene_, view_, pixel.x, pixel.y, settings_, stats));
-            });
+        return for_each_row(static_cast<int>(pixels.size()), cancel_, [&](int i, CostStats& stats) {
+            const Refinable& pixel = pixels[static_cast<size_t>(i)];
+            stats.discard(pixel.first.hit);
+            store(pixel.x, pixel.y,
+                  refine_pixel(scene_, view_, pixel.x, pixel.y, settings_, stats));
+        });
     }
 
     void adaptive() {
         std::vector<OneRayPixel> first(out_.aux.size());
         std::vector<CostStats> first_stats(out_.aux.size());
-        const CostStats first_pass =
-            for_each_tile(view_.height_px, cancel_, [&](int y, CostStats&) {
-                for (int x = 0; x < view_.width_px; ++x) {
-                    if (!renders(x, y)) continue;
-                    CostStats& stats = first_stats[index(x, y)];
-                    const PixelSums sums = lod_pixel(scene_, view_, x, y, settings_, stats);
-                    store(x, y, sums);
-                    first[index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
-                }
-            });
+        const CostStats first_pass = for_each_row(view_.height_px, cancel_, [&](int y, CostStats&) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (!renders(x, y)) continue;
+                CostStats& stats = first_stats[index(x, y)];
+                const PixelSums sums = lod_pixel(scene_, view_, x, y, settings_, stats);
+                store(x, y, sums);
+                first[index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
+            }
+        });
         std::vector<double> variation(first.size());
         std::vector<double> rendered;
         for (int y = 0; y < view_.height_px; ++y) {
@@ -199,7 +172,7 @@ class ViewRenderer {
             normaliser = solve_normaliser(std::move(rendered), *extent_.ray_limit);
             out_.limited = true;
         }
-        out_.stats = for_each_tile(view_.height_px, cancel_, [&](int y, CostStats& stats) {
+        out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
                 const CostStats& cast = first_stats[index(x, y)];
@@ -236,8 +209,18 @@ const char* name_of(RendererKind kind) {
             return "adaptive";
         case RendererKind::kErrorAware:
             return "error_aware";
+        case RendererKind::kHybrid:
+            return "hybrid";
     }
     return "";
+}
+
+void ViewRender::store(int x, int y, const PixelSums& sums) {
+    color.at(x, y) = sums.mean();
+    const auto index =
+        static_cast<size_t>(y) * static_cast<size_t>(color.width()) + static_cast<size_t>(x);
+    aux[index] = {static_cast<float>(sums.distance), static_cast<float>(sums.squared_distance),
+                  sums.standard_error(), static_cast<float>(sums.samples)};
 }
 
 ViewRender render_view(const RenderScene& scene, const View& view, const RenderSettings& settings,

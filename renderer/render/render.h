@@ -29,6 +29,8 @@ struct ViewRender {
     CostStats stats;
     uint64_t pixels = 0;   // rendered: those that the face owns
     bool limited = false;  // the ray limit left something undone that the settings ask for
+
+    void store(int x, int y, const PixelSums& sums);
 };
 
 /// What of a view is rendered, and for how much at most.

@@ -13,6 +13,7 @@ enum class RendererKind {
     kLod,         // one ray per pixel, at the level of detail of the pixel
     kAdaptive,    // refines where the luminance of the one-ray image varies (5.1.2)
     kErrorAware,  // refines where the visibility error of the node hit is large (5.1.3)
+    kHybrid,      // leaf visibility, LOD colours; refines where predicted error pays (hybrid.h)
 };
 
 /// What the adaptive renderer's 3×3 kernel does with pixels whose ray missed.
@@ -34,6 +35,9 @@ struct RenderSettings {
     /// A refined pixel goes on where the standard error of its rays' mean (root mean square over
     /// R, G, B, in units of radiance) exceeds this.
     double spread = std::numeric_limits<double>::infinity();
+    /// The hybrid renderer's: a pixel is refined while the squared error (radiance², mean over R,
+    /// G, B) that is predicted of it, per step of its rays, exceeds this.
+    double price = 0.0;
     /// Level of detail of the first ray: the pixel's footprint, or a fixed octree level (each
     /// refinement goes one level down).
     std::optional<int> fixed_level;

@@ -217,6 +217,19 @@ ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level) {
             node.octant_base + rank_below(nonzero_bytes(node.mask), octant)};
 }
 
+ColorRange child_colors(const VoxelTree& tree, const Hit& hit) {
+    if (hit.level % 2 == 0) {
+        const VoxelNode& node = tree.nodes()[hit.path[static_cast<size_t>(hit.level / 2 - 1)]];
+        return {{ColorIndex::Array::kOctants, node.octant_base},
+                static_cast<uint32_t>(std::popcount(nonzero_bytes(node.mask)))};
+    }
+    const VoxelNode& node = tree.nodes()[hit.path[static_cast<size_t>(hit.level / 2)]];
+    const uint32_t octant = octant_of(hit.corner, hit.level);
+    return {{hit.level == 1 ? ColorIndex::Array::kVoxels : ColorIndex::Array::kNodes,
+             node.first_child + rank_below(node.mask, 8 * octant)},
+            static_cast<uint32_t>(std::popcount((node.mask >> (8 * octant)) & 0xFFu))};
+}
+
 ChildMasks child_masks(const VoxelTree& tree, const Hit& hit) {
     ChildMasks masks;
     if (hit.level == 0) return masks;

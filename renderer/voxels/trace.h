@@ -55,6 +55,14 @@ Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod = {},
 /// depth; hit.level is the node hit itself).
 ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level);
 
+/// Where the colours of a node's children stand: `count` of them in a row.
+struct ColorRange {
+    ColorIndex first;
+    uint32_t count = 0;
+};
+/// Of the node hit, which is no voxel.
+ColorRange child_colors(const VoxelTree& tree, const Hit& hit);
+
 /// Child masks of the node hit and of its children, which is what the error of stopping there
 /// depends on (Müller 2020, 5.1.4). A voxel counts as a full node: mask 255.
 struct ChildMasks {

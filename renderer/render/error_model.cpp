@@ -1,0 +1,40 @@
+#include "render/error_model.h"
+
+#include <algorithm>
+
+namespace probebake {
+
+const ErrorModel kErrorModel = {{
+    {0.190, 0.205, 0.217, 0.0},
+    {0.0365, 0.0573, 0.0805, 0.111},
+    {0.00276, 0.0103, 0.0291, 0.0},
+    {0.00064, 0.0022, 0.00361, 0.0},
+}};
+
+std::array<double, kErrorTerms> error_terms(int stage, const PixelEvidence& e) {
+    const auto visible = [](double node_error) { return std::max(0.0, node_error); };
+    switch (stage) {
+        case 0:
+            return {e.contrast, e.contrast * visible(e.node_error[0]), e.child_variance[0], 0.0};
+        case 1:
+            return {e.contrast, e.ray_variance[1], e.ray_variance[1] * visible(e.node_error[1]),
+                    e.child_variance[1]};
+        case 2:
+            return {e.contrast, e.ray_variance[1], e.ray_variance[2], 0.0};
+        case 3:
+            return {e.ray_variance[1], e.ray_variance[2], e.ray_variance[3], 0.0};
+        default:
+            return {};
+    }
+}
+
+double predicted_error(int stage, const PixelEvidence& evidence, const ErrorModel& model) {
+    if (stage >= kHybridStages - 1) return 0.0;
+    const std::array<double, kErrorTerms> terms = error_terms(stage, evidence);
+    const std::array<double, kErrorTerms>& coefficients = model[static_cast<size_t>(stage)];
+    double sum = 0.0;
+    for (size_t i = 0; i < kErrorTerms; ++i) sum += coefficients[i] * terms[i];
+    return sum;
+}
+
+}  // namespace probebake

@@ -55,9 +55,14 @@ class Search {
         if (all[chosen].error.mse.nothing_found()) pilot.settings = cautious_settings();
         pilot.settings_mse = all[chosen].error.mse.value;
         for (size_t i = chosen + 1; i < all.size(); ++i) {
-            pilot.finer.push_back({all[i].settings, all[i].error.mse.value});
+            const RenderSettings& settings = all[i].settings;
+            // All of a pixel's rays in every pixel is the last resort, not the next one.
+            if (settings.kind == RendererKind::kHybrid && settings.price < 0.0) continue;
+            pilot.finer.push_back({settings, all[i].error.mse.value});
         }
-        for (const RenderSettings& settings : finest_settings(plan_.renderers)) {
+        const RenderSettings last =
+            pilot.finer.empty() ? pilot.settings : pilot.finer.back().settings;
+        for (const RenderSettings& settings : finest_settings(plan_.renderers, last)) {
             pilot.finer.push_back({settings, 0.0});
         }
         return {std::move(all), chosen};
@@ -99,7 +104,7 @@ class Search {
             case RendererKind::kReference:
                 return {.kind = RendererKind::kReference};
             case RendererKind::kAdaptive:
-                return finest_settings(plan_.renderers).front();
+                return finest_settings(plan_.renderers, {}).front();
             case RendererKind::kLod:
                 break;
         }

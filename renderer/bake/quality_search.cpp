@@ -177,6 +177,19 @@ std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, int max_
     return all;
 }
 
+/// Down from a price in steps of four, which about halve the error, to no price at all.
+std::vector<RenderSettings> cheaper_prices(double price) {
+    constexpr int kSteps = 4;
+    std::vector<RenderSettings> all;
+    for (int i = 0; i < kSteps && price > 0.0; ++i) {
+        price /= 4.0;
+        all.push_back(
+            {.kind = RendererKind::kHybrid, .leaf_grid = kLeafGrids.back(), .price = price});
+    }
+    all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = kLeafGrids.back(), .price = -1.0});
+    return all;
+}
+
 }  // namespace
 
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
@@ -208,7 +221,8 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
     return all;
 }
 
-std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers) {
+std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers,
+                                            const RenderSettings& last) {
     switch (renderers.front()) {
         case RendererKind::kLod:
             return {};
@@ -217,17 +231,14 @@ std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& ren
                      .normaliser = std::numeric_limits<double>::min()}};
         case RendererKind::kReference:
             return reference_settings(kLeafGrids.back(), false);
-        case RendererKind::kErrorAware:
         case RendererKind::kHybrid:
+            return cheaper_prices(last.price);
+        case RendererKind::kErrorAware:
             break;
     }
     std::vector<RenderSettings> all;
     all.reserve(kLeafGrids.size());
     for (const int grid : kLeafGrids) {
-        if (renderers.front() == RendererKind::kHybrid) {
-            all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = grid, .price = -1.0});
-            continue;
-        }
         // Everything to 4 × 4; on from there wherever two rays differ at all.
         all.push_back({.threshold = -1.0, .leaf_grid = grid, .spread = 0.0});
     }

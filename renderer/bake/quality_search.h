@@ -55,9 +55,10 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                                                const std::vector<RendererKind>& renderers,
                                                int max_leaf_grid);
 
-/// Settings that refine more and more, whatever the sample showed: for a probe that misses the
-/// target although no error was left on the sample.
-std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers);
+/// Settings that refine more and more, on from the last that the sample speaks for: for a probe
+/// that misses the target although the sample met it.
+std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers,
+                                            const RenderSettings& last);
 
 /// The candidates that no other beats in both steps and error, cheapest first.
 std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualityTarget& target);

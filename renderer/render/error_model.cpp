@@ -5,24 +5,25 @@
 namespace probebake {
 
 const ErrorModel kErrorModel = {{
-    {0.190, 0.205, 0.217, 0.0},
-    {0.0365, 0.0573, 0.0805, 0.111},
-    {0.00276, 0.0103, 0.0291, 0.0},
-    {0.00064, 0.0022, 0.00361, 0.0},
+    {0.204, 0.136, 0.165, 0.0237, 0.0},
+    {0.0352, 0.0703, 0.0009, 0.0730, 0.0183},
+    {0.00317, 0.00506, 0.0298, 0.0, 0.0},
+    {0.000112, 0.00239, 0.00364, 0.0, 0.0},
 }};
 
 std::array<double, kErrorTerms> error_terms(int stage, const PixelEvidence& e) {
     const auto visible = [](double node_error) { return std::max(0.0, node_error); };
     switch (stage) {
         case 0:
-            return {e.contrast, e.contrast * visible(e.node_error[0]), e.child_variance[0], 0.0};
+            return {e.contrast, e.contrast * visible(e.node_error[0]), e.child_variance[0],
+                    e.passed_contrast[0], 0.0};
         case 1:
             return {e.contrast, e.ray_variance[1], e.ray_variance[1] * visible(e.node_error[1]),
-                    e.child_variance[1]};
+                    e.child_variance[1], e.passed_contrast[1]};
         case 2:
-            return {e.contrast, e.ray_variance[1], e.ray_variance[2], 0.0};
+            return {e.contrast, e.passed_contrast[1], e.ray_variance[2], 0.0, 0.0};
         case 3:
-            return {e.ray_variance[1], e.ray_variance[2], e.ray_variance[3], 0.0};
+            return {e.passed_contrast[1], e.ray_variance[2], e.ray_variance[3], 0.0, 0.0};
         default:
             return {};
     }

@@ -6,8 +6,10 @@
 //
 //   contrast         mean squared difference to the first rays of the neighbouring pixels
 //   child_variance   of the colours of the shown nodes' children: what their means hide
+//   passed_contrast  mean squared difference to the nodes that the level of detail would have
+//                    stopped at: large where rays slip past something into what is behind it
 //   ray_variance[s]  of the rays of stage s ≥ 1
-//   node_error       visibility error E_N of the shown nodes (node_error.h), a factor
+//   node_error       visibility error E_N of those nodes (node_error.h), a factor
 //
 // The coefficients were fitted on worlds named in docs/results/beyond.md, by maximum likelihood of
 // an exponential error, and judged on others. A prediction orders pixels; it promises nothing: that
@@ -26,11 +28,12 @@ struct PixelEvidence {
     /// Of stages 0 and 1, means over their rays.
     std::array<double, 2> node_error{};
     std::array<double, 2> child_variance{};
+    std::array<double, 2> passed_contrast{};
     std::array<double, kHybridStages> ray_variance{};
 };
 
 /// Terms of the prediction after a stage; those that a stage does not use are 0.
-inline constexpr int kErrorTerms = 4;
+inline constexpr int kErrorTerms = 5;
 std::array<double, kErrorTerms> error_terms(int stage, const PixelEvidence& evidence);
 
 /// The coefficients of the terms, by stage. After the last stage nothing is predicted.

@@ -32,6 +32,12 @@ double child_variance(const RenderScene& scene, const Hit& hit) {
     return (variance.x + variance.y + variance.z) / 3.0;
 }
 
+/// Mean over R, G, B.
+double squared_difference(const Rgb& a, const Rgb& b) {
+    const Vec3 difference = Vec3(a) - Vec3(b);
+    return glm::dot(difference, difference) / 3.0;
+}
+
 }  // namespace
 
 HybridStage hybrid_stage(const RenderScene& scene, const View& view, int x, int y, int stage) {
@@ -43,15 +49,18 @@ HybridStage hybrid_stage(const RenderScene& scene, const View& view, int x, int 
         for (int i = 0; i < grid; ++i) {
             const PixelRay cast =
                 pixel_ray(view, x - 0.5 + (i + 0.5) * width, y - 0.5 + (j + 0.5) * width, width);
-            Hit hit = trace(scene.tree, cast.ray, {}, scene.range);
-            // From here on the node that is shown; its path is part of the leaf's.
+            const auto [leaf, node] =
+                trace_through(scene.tree, cast.ray, {.cone = cast.cone}, scene.range);
+            Hit hit = leaf;  // and from here on the node that is shown, on the leaf's path
             if (hit) hit.level = shown_level(hit, cast.cone, scene.tree.depth());
             out.cost.keep(hit);
             out.level = static_cast<int8_t>(hit.level);
-            out.sums.add(shade(scene, hit), hit.t, scene.range.t_max, weight);
+            const Rgb color = shade(scene, hit);
+            out.sums.add(color, hit.t, scene.range.t_max, weight);
             if (stage > 1) continue;
-            out.node_error += weight * hit_error(scene, cast.ray.direction, hit, kThesisDecay);
+            out.node_error += weight * hit_error(scene, cast.ray.direction, node, kThesisDecay);
             out.child_variance += weight * child_variance(scene, hit);
+            out.passed_contrast += weight * squared_difference(shade(scene, node), color);
         }
     }
     // Equal weights w: Σ w² c² = w · mean of c².
@@ -67,16 +76,15 @@ void add_evidence(PixelEvidence& evidence, int stage, const HybridStage& found) 
     if (stage > 1) return;
     evidence.node_error[s] = found.node_error;
     evidence.child_variance[s] = found.child_variance;
+    evidence.passed_contrast[s] = found.passed_contrast;
 }
 
 double neighbour_contrast(const std::array<Neighbour, 9>& block) {
-    const Vec3 here(block[4].color);
     double sum = 0.0;
     int count = 0;
     for (size_t i = 0; i < block.size(); ++i) {
         if (i == 4 || !block[i].there) continue;
-        const Vec3 difference = Vec3(block[i].color) - here;
-        sum += glm::dot(difference, difference) / 3.0;
+        sum += squared_difference(block[i].color, block[4].color);
         ++count;
     }
     return count == 0 ? 0.0 : sum / count;

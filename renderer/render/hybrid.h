@@ -27,6 +27,7 @@ struct HybridStage {
     CostStats cost;
     double node_error = 0.0;  // of stages 0 and 1
     double child_variance = 0.0;
+    double passed_contrast = 0.0;
     double ray_variance = 0.0;
     int8_t level = -1;  // shown by the last ray; −1 for a miss
 };

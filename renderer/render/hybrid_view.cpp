@@ -14,6 +14,7 @@ constexpr size_t kMinRound = 1024;
 struct FirstRays {
     double node_error = 0.0;
     double child_variance = 0.0;
+    double passed_contrast = 0.0;
     uint32_t steps = 0;
     int8_t level = -1;  // −1 for a miss
     bool rendered = false;
@@ -69,8 +70,10 @@ class HybridView {
                 const HybridStage found = hybrid_stage(scene_, view_, x, y, 0);
                 out_.store(x, y, found.sums);
                 first_color_.at(x, y) = found.sums.mean();
-                first_[index(x, y)] = {found.node_error, found.child_variance,
-                                       static_cast<uint32_t>(found.cost.steps), found.level, true};
+                first_[index(x, y)] = {
+                    found.node_error,      found.child_variance,
+                    found.passed_contrast, static_cast<uint32_t>(found.cost.steps),
+                    found.level,           true};
             }
         });
         for (const FirstRays& first : first_) out_.pixels += first.rendered ? 1 : 0;
@@ -97,6 +100,7 @@ class HybridView {
         pixel.evidence.contrast = contrast(x, y);
         pixel.evidence.node_error[0] = first.node_error;
         pixel.evidence.child_variance[0] = first.child_variance;
+        pixel.evidence.passed_contrast[0] = first.passed_contrast;
         Hit hit;
         hit.level = first.level;
         hit.steps = first.steps;

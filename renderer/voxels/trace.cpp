@@ -35,7 +35,8 @@ class Traversal {
         }
     }
 
-    Hit run(const LevelOfDetail& lod, const TraceRange& range) {
+    /// With `passed`, the first node that `lod` calls opaque is noted there and gone into.
+    Hit run(const LevelOfDetail& lod, const TraceRange& range, Hit* passed = nullptr) {
         Hit hit;
         double t = t_enter_of({0, 0, 0}, 1 << depth_);
         const double t_exit = t_exit_of({0, 0, 0}, 1 << depth_);
@@ -54,8 +55,11 @@ class Traversal {
                 const bool opaque = child_level <= lod.fixed_level ||
                                     static_cast<double>(1 << child_level) <= lod.cone * t;
                 if (opaque && t >= range.t_min) {
-                    finish(frame, level, octant, t, hit);
-                    return hit;
+                    if (passed != nullptr && !*passed) finish(frame, level, octant, t, *passed);
+                    if (passed == nullptr || child_level == 0) {
+                        finish(frame, level, octant, t, hit);
+                        return hit;
+                    }
                 }
                 if (child_level > 0) {
                     push_child(frame, level, octant, t, child_exit);
@@ -191,15 +195,26 @@ class Traversal {
     std::array<Frame, kMaxDepth + 1> frames_;  // by octree level; set as they are entered
 };
 
+bool can_be_traced(const VoxelTree& tree, const Ray& ray) {
+    return !tree.empty() && is_finite(ray.origin) && is_finite(ray.direction) &&
+           ray.direction != Vec3(0.0);
+}
+
 }  // namespace
 
 Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
           const TraceRange& range) {
-    if (tree.empty() || !is_finite(ray.origin) || !is_finite(ray.direction) ||
-        ray.direction == Vec3(0.0)) {
-        return {};
-    }
+    if (!can_be_traced(tree, ray)) return {};
     return Traversal(tree, ray).run(lod, range);
+}
+
+HitBehind trace_through(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
+                        const TraceRange& range) {
+    HitBehind hit;
+    if (!can_be_traced(tree, ray)) return hit;
+    hit.leaf = Traversal(tree, ray).run(lod, range, &hit.node);
+    hit.node.steps = hit.leaf.steps;
+    return hit;
 }
 
 ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level) {

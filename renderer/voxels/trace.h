@@ -51,6 +51,16 @@ struct Hit {
 Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod = {},
           const TraceRange& range = {});
 
+/// One walk to the voxel: `leaf` is the hit of trace(tree, ray, {}, range), `node` what
+/// trace(tree, ray, lod, range) would have stopped at. Where the node is no ancestor of the leaf,
+/// the ray went through it and past what it holds. Both have the steps of the whole walk.
+struct HitBehind {
+    Hit leaf;
+    Hit node;
+};
+HitBehind trace_through(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
+                        const TraceRange& range = {});
+
 /// Where the colour stands of the hit's ancestor at octree level `level` (hit.level ≤ level ≤
 /// depth; hit.level is the node hit itself).
 ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level);

@@ -170,6 +170,32 @@ TEST(Trace, AgreesWithBruteForceOnEveryRayFamily) {
     }
 }
 
+TEST(Trace, OneWalkFindsTheLeafAndTheNodeOnTheWay) {
+    int passed = 0;
+    for (const auto& [cloud_name, cloud] : test::named_clouds()) {
+        const VoxelTree tree = VoxelTree::build(cloud);
+        uint64_t family_index = 0;
+        for (const test::RayFamily& family : test::ray_families()) {
+            RandomStream random(
+                random_key({3, family_index++, static_cast<uint64_t>(cloud.depth)}));
+            for (int i = 0; i < 200; ++i) {
+                const Ray ray = family.make(random, 1 << cloud.depth);
+                const Mode& mode = kModes[static_cast<size_t>(i) % std::size(kModes)];
+                const std::string what = cloud_name + ", " + family.name + ", " + mode.name;
+                const auto [leaf, node] = trace_through(tree, ray, mode.lod, mode.range);
+                const Hit only_leaf = trace(tree, ray, {}, mode.range);
+                Hit only_node = trace(tree, ray, mode.lod, mode.range);
+                ASSERT_LE(only_node.steps, leaf.steps) << what;
+                only_node.steps = leaf.steps;
+                ASSERT_NO_FATAL_FAILURE(expect_same(leaf, only_leaf, what));
+                ASSERT_NO_FATAL_FAILURE(expect_same(node, only_node, what));
+                if (node && !(leaf && leaf.t == node.t)) ++passed;
+            }
+        }
+    }
+    EXPECT_GT(passed, 100) << "rays that go through a node";
+}
+
 TEST(Trace, AgreesWithExtendedPrecisionWhereNothingIsGrazed) {
     int decided = 0;
     for (const auto& [cloud_name, cloud] : test::named_clouds()) {

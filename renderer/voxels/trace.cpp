@@ -27,7 +27,10 @@ struct Frame {
 class Traversal {
   public:
     Traversal(const VoxelTree& tree, const Ray& ray)
-        : nodes_(tree.nodes()), origin_(ray.origin), depth_(tree.depth()) {
+        : nodes_(tree.nodes()),
+          origin_(ray.origin),
+          direction_(ray.direction),
+          depth_(tree.depth()) {
         const Vec3 direction = safe_direction(ray.direction);
         inverse_ = 1.0 / direction;
         for (int axis = 0; axis < 3; ++axis) {
@@ -152,6 +155,7 @@ class Traversal {
 
     void finish(const Frame& frame, int level, uint32_t octant, double t, Hit& hit) const {
         hit.t = t;
+        hit.point = origin_ + t * direction_;
         hit.level = level - 1;
         const int edge = 1 << hit.level;
         for (int axis = 0; axis < 3; ++axis) {
@@ -185,6 +189,7 @@ class Traversal {
 
     std::span<const VoxelNode> nodes_;
     Vec3 origin_;
+    Vec3 direction_;
     Vec3 inverse_{0.0};
     uint32_t mirror_ = 0;
     int depth_;

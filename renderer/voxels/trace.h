@@ -39,6 +39,7 @@ struct Hit {
     CubeFace entry_face = CubeFace::kPosX;  // outward normal of the face that was met
     uint32_t steps = 0;  // non-empty octree nodes entered below the root, whatever came of it
     IVec3 corner{0};     // lowest voxel of the node hit
+    Vec3 point{0.0};     // where the ray meets the node, voxels
     /// Index of the ancestor (or the node itself) at each node level; valid from (level − 1) / 2
     /// up.
     std::array<uint32_t, kMaxNodeLevels> path{};

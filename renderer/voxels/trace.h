@@ -52,6 +52,16 @@ struct Hit {
 Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod = {},
           const TraceRange& range = {});
 
+/// Asked about every node above the voxels at which the level of detail would let the ray stop;
+/// where it says no, the ray goes on into the node's children.
+class StopRule {
+  public:
+    virtual ~StopRule() = default;
+    virtual bool stops(const Hit& node) = 0;
+};
+Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod, const TraceRange& range,
+          StopRule& rule);
+
 /// Where the colour stands of the hit's ancestor at octree level `level` (hit.level ≤ level ≤
 /// depth; hit.level is the node hit itself).
 ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level);

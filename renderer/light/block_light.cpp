@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 
 #include "math/sampling.h"
 
@@ -31,6 +32,13 @@ uint32_t columns_of(int n) {
         if (n % c == 0) columns = c;
     }
     return static_cast<uint32_t>(columns);
+}
+
+/// A step through n things that meets them all and leaps far each time.
+uint32_t stride_of(uint32_t n) {
+    auto stride = static_cast<uint32_t>(0.618 * n) + 1;
+    while (std::gcd(stride, n) != 1) ++stride;
+    return stride;
 }
 
 }  // namespace
@@ -147,13 +155,20 @@ void BlockLight::gather(int face, std::span<const Front> fronts) {
     const std::vector<BlockVoxel>& voxels = block_.voxels();
     RandomStream random(random_key({source_.params.seed, static_cast<uint64_t>(Purpose::kSky),
                                     voxels[fronts[0].voxel].index, static_cast<uint64_t>(face)}));
+    const auto strata = static_cast<uint32_t>(source_.sky.strata());
+    const uint32_t columns = columns_of(source_.sky.strata());
+    const auto pattern = static_cast<uint32_t>(random.next());
+    const auto shift = static_cast<uint32_t>(random.below(strata));
+    const uint32_t stride = stride_of(strata);
     Vec3 sum(0.0);
     for (int s = 0; s < source_.sky.strata(); ++s) {
         const Front& front = fronts[random.below(fronts.size())];
-        const double u = random.uniform();
-        const double v = random.uniform();
+        // Points are stratified like the directions; any goes with any.
+        const auto point =
+            static_cast<uint32_t>((static_cast<uint64_t>(s) * stride + shift) % strata);
+        const Vec2 at = correlated_multi_jitter(point, columns, strata / columns, pattern);
         const Vec3 direction = source_.sky.direction(cube_face, s, random);
-        if (visible(point_on(voxels[front.voxel], face, u, v), direction)) {
+        if (visible(point_on(voxels[front.voxel], face, at.x, at.y), direction)) {
             sum += source_.sky.weight(cube_face, s);
         }
     }

@@ -1,9 +1,12 @@
 // FaceColors: lit radiance per exposed face of every octree node, W·m⁻²·sr⁻¹.
 //
 // A voxel's face is exposed where the voxel beside it is empty, a node's face direction where any
-// voxel below it has such a face; a node's value is the mean over those faces, each counting alike
-// (the same voxel area), so that radiance times area adds up to the same at every level. One value
-// per direction keeps light from leaking through walls: a sunlit one-voxel wall is dark inside.
+// voxel below it has such a face. A node keeps the mean over those of its faces that are not black
+// and their share: value × share is the mean over all, each counting alike (the same voxel area),
+// so that radiance times area adds up to the same at every level.
+//
+// Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside, and a ray
+// that meets black faces shows black whatever the ancestor whose colour it takes.
 //
 // A ray that stops at a node may enter it through a side that exposes nothing (flat ground is
 // entered from the side all the time). It is shown the darkest of what lies in front of its entry
@@ -24,18 +27,21 @@
 
 namespace probebake {
 
-/// Of the faces of one direction in a node above the voxels: where along their normal's axis they
-/// lie, in steps of 1/32 of the node's edge from its lowest corner, rounded outwards; and how dark
-/// the darkest is.
+/// What else is known of the faces of one direction in a node above the voxels: where along their
+/// normal's axis they lie, in steps of 1/128 of the node's edge from its lowest corner, rounded
+/// outwards; how many are not black; how dark the darkest is.
 struct FaceGroup {
-    static constexpr int kSteps = 32;
-    static constexpr int kFull = 15;
+    static constexpr int kSteps = 128;
+    static constexpr int kAll = 255;
 
-    uint16_t low : 6 = 0;
-    uint16_t high : 6 = 0;
-    uint16_t darkest : 4 = kFull;  // its luminance in fifteenths of the mean's, rounded down
+    uint8_t low = 0;
+    uint8_t high = 0;
+    uint8_t share = kAll;    // of faces that are not black, in 1/255; 0 only where there is none
+    uint8_t darkest = kAll;  // luminance of the darkest face in 1/255 of the value's, rounded down
+
+    bool operator==(const FaceGroup&) const = default;
 };
-static_assert(sizeof(FaceGroup) == 2);
+static_assert(sizeof(FaceGroup) == 4);
 
 /// The faces of one of the tree's arrays.
 struct FaceLevel {
@@ -59,7 +65,7 @@ struct FaceLevel {
         return exposed.size() + first.size() * sizeof(uint32_t) +
                values.size() * sizeof(PackedRgb) + groups.size() * sizeof(FaceGroup);
     }
-    bool operator==(const FaceLevel& other) const;
+    bool operator==(const FaceLevel&) const = default;
 };
 
 struct FaceColors {
@@ -74,15 +80,15 @@ struct FaceColors {
                                                       : nodes;
     }
 
-    /// What a ray sees of the hit's ancestor at octree level `level` (the node hit itself at
-    /// hit.level). Where the ancestor exposes the direction of the face that was met, its mean.
+    /// What a ray sees of a hit in the colours of its ancestor at octree level `level` (hit.level:
+    /// the node hit itself): the ancestor's value times the share of the node hit.
     ///
-    /// Where it does not, the ray met the box of a node at a side without faces. Whatever it might
-    /// have met below lies in front of hit.point, and across the direction it came from: a straight
-    /// way from hit.point to any voxel of the node enters it through such a face. So the least of
-    /// the darkest faces of the directions in front of hit.point is never brighter than something
-    /// that is on this side of all walls; directions partly in front, partly behind count as black.
-    /// A voxel's unexposed face is black.
+    /// A node that does not expose the direction of the face that was met is a box that was met at
+    /// a side without faces. Whatever the ray might have met below lies in front of hit.point, and
+    /// across the direction it came from: a straight way from hit.point to any voxel of the node
+    /// enters one through such a face. So the least of the darkest faces of the directions in front
+    /// of hit.point is never brighter than something that is on this side of all walls; directions
+    /// partly in front, partly behind count as black. A voxel's unexposed face is black.
     Rgb seen(const VoxelTree& tree, const Hit& hit, int level) const;
 
     uint64_t face_count() const { return voxels.values.size(); }

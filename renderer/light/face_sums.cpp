@@ -32,6 +32,7 @@ FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
         const int plane = position[face / 2] + (face % 2 == 0 ? 1 : 0);
         sums.groups[static_cast<size_t>(face)] = {.sum = Vec3(color),
                                                   .count = 1,
+                                                  .lit = color == Rgb(0.0f) ? 0u : 1u,
                                                   .darkest = luminance(color),
                                                   .low = plane,
                                                   .high = plane};
@@ -73,18 +74,24 @@ void write_means(FaceLevel& level, size_t node, const FaceSums& sums, const IVec
     for (int face = 0; face < kFaceCount; ++face) {
         if (!level.exposes(node, face)) continue;
         const FaceSums::Group& group = sums.groups[static_cast<size_t>(face)];
-        const Rgb mean(group.sum / static_cast<double>(group.count) / double{scale});
         const size_t at = level.index_of(node, face);
-        level.values[at] = pack_rgb(mean);
+        if (group.lit > 0) {
+            level.values[at] =
+                pack_rgb(Rgb(group.sum / (static_cast<double>(group.lit) * double{scale})));
+        }
         if (level.groups.empty()) continue;
         const float stored = luminance(unpack_rgb(level.values[at])) * scale;
-        const float share = stored > 0.0f ? std::min(1.0f, group.darkest / stored) : 0.0f;
-        const double step = double(edge) / FaceGroup::kSteps;
+        const double darkest =
+            stored > 0.0f ? std::min(1.0, double{group.darkest} / double{stored}) : 0.0;
+        const double share = static_cast<double>(group.lit) / static_cast<double>(group.count);
+        const double step = static_cast<double>(edge) / FaceGroup::kSteps;
         const int from = corner[face / 2];
-        FaceGroup& out = level.groups[at];
-        out.low = static_cast<uint16_t>(std::floor((group.low - from) / step)) & 63u;
-        out.high = static_cast<uint16_t>(std::ceil((group.high - from) / step)) & 63u;
-        out.darkest = static_cast<uint16_t>(std::floor(share * FaceGroup::kFull)) & 15u;
+        level.groups[at] = {
+            .low = static_cast<uint8_t>(std::floor((group.low - from) / step)),
+            .high = static_cast<uint8_t>(std::ceil((group.high - from) / step)),
+            .share = static_cast<uint8_t>(
+                group.lit == 0 ? 0.0 : std::max(1.0, std::round(share * FaceGroup::kAll))),
+            .darkest = static_cast<uint8_t>(std::floor(darkest * FaceGroup::kAll))};
     }
 }
 

@@ -14,6 +14,7 @@ struct FaceSums {
     struct Group {
         Vec3 sum{0.0};                                           // of their radiance
         uint64_t count = 0;                                      // faces
+        uint64_t lit = 0;                                        // of them: not black
         float darkest = std::numeric_limits<float>::infinity();  // least luminance
         int low = std::numeric_limits<int>::max();  // extent along the normal's axis, voxels
         int high = std::numeric_limits<int>::min();
@@ -21,6 +22,7 @@ struct FaceSums {
         void add(const Group& other) {
             sum += other.sum;
             count += other.count;
+            lit += other.lit;
             darkest = std::min(darkest, other.darkest);
             low = std::min(low, other.low);
             high = std::max(high, other.high);
@@ -42,7 +44,7 @@ FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
 /// array.
 void lay_out(const VoxelTree& tree, FaceColors& colors);
 
-/// Writes a node's or octant's values; a group's mean is that of its faces.
+/// Writes the values of a node, an octant or a voxel.
 void write_means(FaceLevel& level, size_t node, const FaceSums& sums, const IVec3& corner, int edge,
                  float scale);
 

@@ -24,14 +24,26 @@ size_t cell_index(int column, int row) {
     return index;
 }
 
-Vec2 cell_corner(size_t index) {
+/// Column and row of a Morton code.
+Vec2 deinterleave(uint64_t code) {
     unsigned column = 0;
     unsigned row = 0;
-    for (unsigned bit = 0; bit < 6; ++bit) {
-        column |= static_cast<unsigned>((index >> (2 * bit)) & 1u) << bit;
-        row |= static_cast<unsigned>((index >> (2 * bit + 1)) & 1u) << bit;
+    for (unsigned bit = 0; bit < 10; ++bit) {
+        column |= static_cast<unsigned>((code >> (2 * bit)) & 1u) << bit;
+        row |= static_cast<unsigned>((code >> (2 * bit + 1)) & 1u) << bit;
     }
     return {column, row};
+}
+
+/// The point of the unit square at a share of the way along the Morton curve: the strata that share
+/// a cell are apart within it, too.
+Vec2 morton_point(double along, RandomStream& random) {
+    constexpr int kBits = 10;  // of each coordinate; below them it is random
+    const auto code = static_cast<uint64_t>(std::clamp(along, 0.0, 1.0 - 0x1.0p-53) *
+                                            static_cast<double>(1u << (2 * kBits)));
+    const double u = random.uniform();
+    const double v = random.uniform();
+    return (deinterleave(code) + Vec2(u, v)) / static_cast<double>(1u << kBits);
 }
 
 using Cells = std::array<std::vector<Vec3>, kFaceCount>;
@@ -134,10 +146,10 @@ Vec3 SkyLight::direction(CubeFace face, int stratum, RandomStream& random) const
     const auto found = std::upper_bound(cumulative.begin(), cumulative.end(), wanted);
     const auto cell =
         static_cast<size_t>(std::min(found, std::prev(cumulative.end())) - cumulative.begin());
-    const Vec2 corner = cell_corner(cell);
-    const double u = random.uniform();
-    const double v = random.uniform();
-    return cosine_direction(face, (corner + Vec2(u, v)) / double{kGrid});
+    const double before = cell > 0 ? cumulative[cell - 1] : 0.0;
+    const double along = (wanted - before) / (cumulative[cell] - before);
+    return cosine_direction(face,
+                            (deinterleave(cell) + morton_point(along, random)) / double{kGrid});
 }
 
 Vec3 cosine_direction(CubeFace face, const Vec2& square) {

@@ -27,6 +27,8 @@ struct Sun {
     Vec3 direction{0.0, 1.0, 0.0};      // towards the sun, any length
     Rgb irradiance{0.0f};               // W·m⁻² on a surface that faces it
     double angular_diameter_deg = 0.0;  // 0: sharp shadows
+
+    bool operator==(const Sun&) const = default;
 };
 
 struct Lighting {

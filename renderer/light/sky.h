@@ -19,6 +19,8 @@ struct SkyGradient {
     Rgb zenith{0.0f};
     Rgb horizon{0.0f};
     Rgb ground{0.0f};
+
+    bool operator==(const SkyGradient&) const = default;
 };
 
 struct SkyPicture {

@@ -37,7 +37,7 @@ class Unit {
     ProbeResult run() {
         const auto start = std::chrono::steady_clock::now();
         result_.probe = params_.probe;
-        result_.state = pilot_.state;
+        result_.state = pilot_.state.spec;
         result_.far_m = effective_far_m(scene_, probe_);
         result_.inside_voxel = scene_.inside_voxel(probe_.position_m);
         render_until_good();
@@ -108,8 +108,7 @@ class Unit {
             .weighting = job_.quality.weighting,
             .pixels = pixels,
             .windows = ssim ? std::max(kMinAuditWindows, pixels / kWindowPixels) : 0,
-            .key =
-                random_key({job_.seed, params_.probe, static_cast<uint64_t>(pilot_.state), look})};
+            .key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look})};
         return audit_cubemap(spec, cancel_);
     }
 
@@ -117,11 +116,16 @@ class Unit {
         ProbeAttributes out;
         out.owner = "probebake " PROBEBAKE_VERSION;
         out.id = probe_.id;
-        out.state = name_of(pilot_.state);
+        out.state = name_of(pilot_.state.spec);
         out.position_m = probe_.position_m;
         out.near_m = probe_.near_m;
         out.far_m = result_.far_m;
-        out.unit = pilot_.state == LightingState::kAlbedo ? "1" : "W.m^-2.sr^-1";
+        const bool albedo = pilot_.state.spec.kind == LightingState::Kind::kAlbedo;
+        out.unit = albedo ? "1" : "W.m^-2.sr^-1";
+        const StateLight* light = pilot_.state.light.get();
+        if (light != nullptr && !light->sky_sha256.empty()) {
+            out.texts["probe:skySha256"] = light->sky_sha256;
+        }
         out.scene_sha256 = scene_.sha256;
         out.seed = job_.seed;
         out.valid = !result_.inside_voxel;

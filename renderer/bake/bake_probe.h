@@ -25,7 +25,7 @@ struct ProductFile {
 
 struct ProbeResult {
     size_t probe = 0;  // index into JobSpec::probes
-    LightingState state = LightingState::kAlbedo;
+    LightingState state;
     RenderSettings settings;  // of the render that is in the files
     std::array<CostStats, kFaceCount> faces;
     std::array<uint64_t, kFaceCount> pixels{};

@@ -5,6 +5,7 @@
 
 #include "bake/job_names.h"
 #include "bake/job_spec.h"
+#include "bake/state_json.h"
 #include "image/cubemap.h"
 #include "image/ssim.h"
 #include "voxels/voxel_tree.h"
@@ -39,18 +40,15 @@ class JobReader {
             return;
         }
         spec_.states.clear();
-        for (const auto& [value, pointer] : root_.array("lighting_states", kStateNames.size())) {
-            const std::string name = read_name(*value, pointer, issues_);
-            const auto at = std::find(kStateNames.begin(), kStateNames.end(), name);
-            if (at == kStateNames.end()) {
-                issues_.unacceptable(pointer, R"(expected "albedo" or "emission")");
-                continue;
+        for (const auto& [value, pointer] : root_.array("lighting_states", limits_.max_states)) {
+            LightingState state = read_state(*value, pointer, issues_);
+            const bool known =
+                std::any_of(spec_.states.begin(), spec_.states.end(),
+                            [&](const LightingState& other) { return other.id == state.id; });
+            if (known && issues_.empty()) {
+                issues_.unacceptable(pointer, "the state \"" + state.id + "\" is named twice");
             }
-            const auto state = static_cast<LightingState>(at - kStateNames.begin());
-            if (std::count(spec_.states.begin(), spec_.states.end(), state) > 0) {
-                issues_.unacceptable(pointer, "the state \"" + name + "\" is named twice");
-            }
-            spec_.states.push_back(state);
+            spec_.states.push_back(std::move(state));
         }
         if (spec_.states.empty() && issues_.empty()) {
             issues_.unacceptable("/lighting_states", "expected at least one state");

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bake/job_names.h"
+#include "bake/state_json.h"
 #include "image/cubemap.h"
 
 namespace probebake {
@@ -19,7 +20,6 @@ Json write_probe(const ProbeSpec& probe) {
 
 }  // namespace
 
-std::string_view name_of(LightingState state) { return kStateNames[static_cast<size_t>(state)]; }
 std::string_view name_of(QualityTarget::Metric metric) {
     return kMetricNames[static_cast<size_t>(metric)];
 }
@@ -66,8 +66,8 @@ Json write_settings(const RenderSettings& settings) {
 
 Json write_job(const JobSpec& spec) {
     Json json = {{"scene", spec.scene}, {"seed", spec.seed}};
-    for (const LightingState state : spec.states) {
-        json["lighting_states"].push_back(name_of(state));
+    for (const LightingState& state : spec.states) {
+        json["lighting_states"].push_back(write_state_spec(state));
     }
     json["products"] = spec.aux ? Json{"cube", "aux"} : Json{"cube"};
     Json& list = json["probes"]["list"] = Json::array();

@@ -11,15 +11,12 @@
 #include <string_view>
 #include <vector>
 
+#include "bake/lighting_state.h"
 #include "image/metrics.h"
 #include "io/json.h"
 #include "render/render_settings.h"
 
 namespace probebake {
-
-/// What a hit shows. Albedo is reflectance (unit 1); emission is radiance (W·m⁻²·sr⁻¹), black where
-/// nothing emits.
-enum class LightingState { kAlbedo, kEmission };
 
 struct ProbeSpec {
     std::string id;
@@ -85,6 +82,7 @@ struct JobLimits {
     uint64_t max_texels = uint64_t{1} << 32;  // over all probes and states
     double max_position_m = 1e6;              // per axis
     int max_audit_pixels = 65'536;            // per probe
+    uint64_t max_states = 16;
     uint64_t max_rays = uint64_t{1} << 50;
 };
 
@@ -93,7 +91,6 @@ struct JobLimits {
 JobSpec read_job(const Json& request, const JobLimits& limits = {});
 Json write_job(const JobSpec& spec);
 
-std::string_view name_of(LightingState state);
 std::string_view name_of(QualityTarget::Metric metric);
 std::string_view name_of(Against against);
 

@@ -186,7 +186,7 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
 
 }  // namespace
 
-Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, LightingState state,
+Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [start] {
@@ -199,7 +199,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, Lighti
     Pilot pilot{
         .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
     std::vector<RenderSettings> measured;
-    if (state == LightingState::kEmission && !scene.emits()) {
+    if (state.spec == LightingState::kEmission && !scene.emits()) {
         pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast
         measured = {pilot.settings};
     } else if (plan.needs_pilot) {

@@ -29,7 +29,7 @@ struct FinerSettings {
 };
 
 struct Pilot {
-    LightingState state = LightingState::kAlbedo;
+    ReadyState state;
     double exposure = 1.0;
     int truth_grid = kTruthGrids.front();  // that audits use, too
     RenderSettings settings;
@@ -53,7 +53,7 @@ struct TimeBudget {
 };
 
 /// Tunes one lighting state. Runs on the calling arena. Throws Cancelled.
-Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, LightingState state,
+Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time = {});
 
 }  // namespace probebake

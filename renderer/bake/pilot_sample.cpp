@@ -27,9 +27,9 @@ constexpr double kTruthNoiseShare = 0.1;
 
 }  // namespace
 
-PilotSample::PilotSample(const Scene& scene, const JobSpec& job, LightingState state,
+PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
                          const CancelToken& cancel)
-    : scene_(scene), job_(job), state_(state), cancel_(cancel) {
+    : scene_(scene), job_(job), state_(std::move(state)), cancel_(cancel) {
     choose_places();
     const QualityTarget& target = job.quality.target;
     const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
@@ -44,8 +44,8 @@ PilotSample::PilotSample(const Scene& scene, const JobSpec& job, LightingState s
 }
 
 void PilotSample::choose_places() {
-    RandomStream random(random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotChoice),
-                                    static_cast<uint64_t>(state_)}));
+    RandomStream random(random_key(
+        {job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotChoice), stream_of(state_.spec)}));
     std::vector<size_t> probes(job_.probes.size());
     std::iota(probes.begin(), probes.end(), size_t{0});
     const size_t used = std::min<size_t>(probes.size(), kMaxProbes);
@@ -106,9 +106,9 @@ CostStats PilotSample::for_each_pixel(Cast cast) const {
 void PilotSample::cast_truth() {
     search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
         // The index tells apart two draws of the same pixel.
-        const uint64_t key = random_key(
-            {job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotTruth),
-             static_cast<uint64_t>(state_), static_cast<uint64_t>(truth_grid_), at.index});
+        const uint64_t key =
+            random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotTruth),
+                        stream_of(state_.spec), static_cast<uint64_t>(truth_grid_), at.index});
         sample_.pixels[at.index].truth =
             truth_pair(at.scene, at.view, at.owner.x, at.owner.y,
                        {.against = job_.quality.against, .grid = truth_grid_, .key = key}, stats);

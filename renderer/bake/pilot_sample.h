@@ -5,7 +5,7 @@
 
 #include "bake/probe_view.h"
 #include "bake/quality_search.h"
-#include "render/cancel.h"
+#include "io/cancel.h"
 
 namespace probebake {
 
@@ -24,7 +24,7 @@ class PilotSample {
   public:
     /// Draws the pixels of up to 64 probes, two per cent of the job within bounds; whole windows of
     /// SSIM where that is the target. Casts their truth and finds the exposure.
-    PilotSample(const Scene& scene, const JobSpec& job, LightingState state,
+    PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
                 const CancelToken& cancel);
 
     /// Casts what candidates of these renderers with leaf rays of this grid could cast. Grids in
@@ -66,7 +66,7 @@ class PilotSample {
 
     const Scene& scene_;
     const JobSpec& job_;
-    const LightingState state_;
+    const ReadyState state_;
     const CancelToken& cancel_;
     std::vector<Place> places_;
     SearchSample sample_;

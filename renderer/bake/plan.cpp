@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bake/state_light.h"
 #include "image/cubemap.h"
 #include "render/render.h"
 
@@ -13,7 +14,12 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
     std::vector<LeftOut> out;
     const auto leave = [&](const char* what, const char* why) { out.push_back({what, why}); };
     const bool emission_asked =
-        std::count(job.states.begin(), job.states.end(), LightingState::kEmission) > 0;
+        std::any_of(job.states.begin(), job.states.end(), [](const LightingState& state) {
+            return state.kind == LightingState::Kind::kEmission || (state.lit() && state.emission);
+        });
+    const bool lit = std::any_of(job.states.begin(), job.states.end(),
+                                 [](const LightingState& state) { return state.lit(); });
+    if (!lit) leave("lighting", "no lighting state has sun or sky");
     if (!scene.emits()) {
         leave("emission colours", "no voxel of the scene emits");
     } else if (!emission_asked) {
@@ -50,6 +56,10 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     plan.work_units = job.probes.size() * job.states.size();
     plan.texels = texel_count(job);
     plan.scene_bytes = scene.tree.memory_bytes();
+    for (size_t i = 0; i < job.states.size(); ++i) {
+        check_sky_file(scene, job, i);
+        if (job.states[i].lit()) plan.light_bytes += expected_light_bytes(scene);
+    }
 
     int largest = 0;
     for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
@@ -74,16 +84,17 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
 }
 
 Json write_plan(const Plan& plan) {
-    Json json = {
-        {"work_units", plan.work_units},
-        {"texels", plan.texels},
-        {"quality_search", plan.needs_pilot},
-        {"audit", plan.needs_audit},
-        {"memory",
-         {{"scene_bytes", plan.scene_bytes}, {"bytes_per_work_unit", plan.bytes_per_unit}}},
-        {"output_bytes_at_most", plan.output_bytes},
-        {"left_out", Json::array()},
-        {"warnings", plan.warnings}};
+    Json json = {{"work_units", plan.work_units},
+                 {"texels", plan.texels},
+                 {"quality_search", plan.needs_pilot},
+                 {"audit", plan.needs_audit},
+                 {"memory",
+                  {{"scene_bytes", plan.scene_bytes},
+                   {"light_bytes", plan.light_bytes},
+                   {"bytes_per_work_unit", plan.bytes_per_unit}}},
+                 {"output_bytes_at_most", plan.output_bytes},
+                 {"left_out", Json::array()},
+                 {"warnings", plan.warnings}};
     for (const RendererKind kind : plan.renderers) json["renderers"].push_back(name_of(kind));
     for (const LeftOut& left : plan.left_out) {
         json["left_out"].push_back({{"what", left.what}, {"why", left.why}});

@@ -3,9 +3,8 @@
 
 #include <numbers>
 
-#include "bake/job_spec.h"
+#include "bake/state_light.h"
 #include "render/pixel.h"
-#include "scene/scene.h"
 
 namespace probebake {
 
@@ -14,13 +13,18 @@ inline double effective_far_m(const Scene& scene, const ProbeSpec& probe) {
     return probe.far_m.value_or(scene.reach_m(probe.position_m));
 }
 
-/// What the probe sees in a lighting state. The scene outlives it.
-inline RenderScene render_scene(const Scene& scene, const ProbeSpec& probe, LightingState state) {
+/// What the probe sees in a lighting state. Scene and state outlive it.
+inline RenderScene render_scene(const Scene& scene, const ProbeSpec& probe,
+                                const ReadyState& state) {
     const ColorPyramid& colors = scene.tree.colors();
-    return {.tree = scene.tree,
-            .color = state == LightingState::kAlbedo ? colors.albedo : colors.emission,
-            .range = {.t_min = probe.near_m / scene.voxel_size_m,
-                      .t_max = effective_far_m(scene, probe) / scene.voxel_size_m}};
+    const StateLight* light = state.light.get();
+    return {
+        .tree = scene.tree,
+        .color = state.spec.kind == LightingState::Kind::kAlbedo ? colors.albedo : colors.emission,
+        .range = {.t_min = probe.near_m / scene.voxel_size_m,
+                  .t_max = effective_far_m(scene, probe) / scene.voxel_size_m},
+        .lit = light != nullptr ? &light->colors : nullptr,
+        .sky = light != nullptr ? &light->sky : nullptr};
 }
 
 inline View face_view(const Scene& scene, const ProbeSpec& probe, CubeFace face) {
@@ -40,6 +44,7 @@ enum class StreamPurpose : uint64_t {
     kPilotTruth = 2,
     kAuditChoice = 3,
     kAuditTruth = 4,
+    kLighting = 5,
 };
 
 }  // namespace probebake

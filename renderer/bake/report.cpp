@@ -116,18 +116,32 @@ struct Costs {
     }
 };
 
+Json write_lighting(const StateLight& light) {
+    const LightingCost& cost = light.cost;
+    Json json = {{"faces", cost.faces},
+                 {"sun_rays", cost.sun_rays},
+                 {"sky_gatherings", cost.gatherings},
+                 {"sky_rays", cost.sky_rays},
+                 {"steps", cost.steps},
+                 {"seconds", cost.seconds},
+                 {"wall_seconds", cost.wall_seconds},
+                 {"bytes", cost.memory_bytes}};
+    if (!light.sky_sha256.empty()) json["sky_sha256"] = light.sky_sha256;
+    return json;
+}
+
 Json write_state(const BakeRecord& record, const Pilot& pilot) {
     const double confidence = record.job.quality.evidence.confidence;
-    const MeasuredError pooled = pooled_error(record, pilot.state);
+    const MeasuredError pooled = pooled_error(record, pilot.state.spec);
     std::map<std::string, uint64_t> verdicts;
     Costs costs;
     costs.add(pilot);
     for (const ProbeResult& result : record.results) {
-        if (result.state != pilot.state) continue;
+        if (result.state.id != pilot.state.spec.id) continue;
         ++verdicts[std::string(name_of(judge(record.job, pilot, result, pooled).verdict))];
         costs.add(result);
     }
-    Json json = {{"state", name_of(pilot.state)},
+    Json json = {{"state", name_of(pilot.state.spec)},
                  {"exposure", pilot.exposure},
                  {"settings", write_settings(pilot.settings)},
                  {"expectation", name_of(pilot.expectation)},
@@ -139,6 +153,7 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
                  {"results", verdicts},
                  {"cost", costs.write()},
                  {"curve", write_curve(pilot, confidence)}};
+    if (pilot.state.light) json["lighting"] = write_lighting(*pilot.state.light);
     if (pooled.mse.samples > 0) {
         json["error"] = write_error(pooled, confidence);
         json["error"]["evidence"] = name_of(EvidenceOf::kJob);
@@ -177,11 +192,11 @@ std::string_view name_of(Verdict verdict) {
     return kNames[static_cast<size_t>(verdict)];
 }
 
-MeasuredError pooled_error(const BakeRecord& record, LightingState state) {
+MeasuredError pooled_error(const BakeRecord& record, const LightingState& state) {
     const double weight = 1.0 / static_cast<double>(record.job.probes.size());
     MeasuredError pooled;
     for (const ProbeResult& result : record.results) {
-        if (result.state != state) continue;
+        if (result.state.id != state.id) continue;
         const MeasuredError& error = result.certificate.error;
         pooled.mse.add(weight, error.mse);
         if (!error.ssim) continue;

@@ -52,7 +52,7 @@ struct BakeRecord {
 };
 
 /// The audits of all probes of a state as one estimate: the mean over the probes.
-MeasuredError pooled_error(const BakeRecord& record, LightingState state);
+MeasuredError pooled_error(const BakeRecord& record, const LightingState& state);
 
 Json write_report(const BakeRecord& record);
 /// The row of one result; `pooled` belongs to its state.

@@ -16,8 +16,9 @@ bool has_next(int stage, const RenderSettings& settings) {
     return stage + 1 < kHybridStages && stage_grid(stage + 1) <= settings.leaf_grid;
 }
 
-/// Variance of the colours of a node's children, mean over R, G, B.
-double child_variance(const RenderScene& scene, const Hit& hit) {
+/// Variance of the colours of a node's children, mean over R, G, B; where the scene is lit, that of
+/// their albedo, as bright as the node is seen.
+double child_variance(const RenderScene& scene, const Hit& hit, const Rgb& seen) {
     if (hit.level <= 0 || scene.color.empty()) return 0.0;
     Vec3 sum(0.0);
     Vec3 squares(0.0);
@@ -29,7 +30,11 @@ double child_variance(const RenderScene& scene, const Hit& hit) {
     }
     const double n = children.count;
     const Vec3 variance = glm::max(Vec3(0.0), squares / n - sum * sum / (n * n));
-    return (variance.x + variance.y + variance.z) / 3.0;
+    const double mean = (variance.x + variance.y + variance.z) / 3.0;
+    if (scene.lit == nullptr) return mean;
+    const double albedo = (sum.x + sum.y + sum.z) / n;
+    const double radiance = static_cast<double>(seen.r) + seen.g + seen.b;
+    return albedo > 0.0 ? mean * (radiance / albedo) * (radiance / albedo) : 0.0;
 }
 
 /// Mean over R, G, B.
@@ -55,12 +60,14 @@ HybridStage hybrid_stage(const RenderScene& scene, const View& view, int x, int 
             if (hit) hit.level = shown_level(hit, cast.cone, scene.tree.depth());
             out.cost.keep(hit);
             out.level = static_cast<int8_t>(hit.level);
-            const Rgb color = shade(scene, hit);
+            const Vec3& direction = cast.ray.direction;
+            const Rgb color = shade(scene, direction, hit);
             out.sums.add(color, hit.t, scene.range.t_max, weight);
             if (stage > 1) continue;
-            out.node_error += weight * hit_error(scene, cast.ray.direction, node, kThesisDecay);
-            out.child_variance += weight * child_variance(scene, hit);
-            out.passed_contrast += weight * squared_difference(shade(scene, node), color);
+            out.node_error += weight * hit_error(scene, direction, node, kThesisDecay);
+            out.child_variance += weight * child_variance(scene, hit, color);
+            out.passed_contrast +=
+                weight * squared_difference(shade(scene, direction, node), color);
         }
     }
     // Equal weights w: Σ w² c² = w · mean of c².

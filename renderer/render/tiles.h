@@ -7,7 +7,7 @@
 #include <chrono>
 #include <vector>
 
-#include "render/cancel.h"
+#include "io/cancel.h"
 #include "render/cost_stats.h"
 
 namespace probebake {

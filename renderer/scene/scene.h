@@ -4,6 +4,7 @@
 // metres; the tree's space is voxels of edge 1. Corner (0, 0, 0) of the tree is at `corner_m`.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "math/vec.h"
@@ -28,6 +29,7 @@ struct Scene {
     VoxelTree tree;
     double voxel_size_m = 1.0;
     Vec3 corner_m{0.0};
+    std::filesystem::path folder;       // of the scene file and of pictures of skies
     std::vector<std::string> warnings;  // of the importer
     SceneLoadStats load;
 

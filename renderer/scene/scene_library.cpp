@@ -24,15 +24,6 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A plain file name: no folder, nothing hidden.
-bool is_file_name(const std::string& text) {
-    return !text.empty() && text.size() <= 64 && text[0] != '.' &&
-           std::all_of(text.begin(), text.end(), [](char c) {
-               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                      c == '.' || c == '_' || c == '-';
-           });
-}
-
 GeneratorParams read_generator(ObjectReader& reader) {
     GeneratorParams params;
     params.name = reader.name("generator", std::nullopt);
@@ -96,10 +87,19 @@ std::optional<World> load_world(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool is_file_name(const std::string& text) {
+    return !text.empty() && text.size() <= 64 && text[0] != '.' &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '.' || c == '_' || c == '-';
+           });
+}
+
 SceneFile read_scene_file(const std::filesystem::path& path) {
     const std::vector<std::byte> bytes = read_file(path, kMaxSceneFileBytes);
     SceneFile file;
     file.name = path.stem().string();
+    file.folder = path.parent_path();
     file.text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const Json document = parse_json(file.text);
     JsonIssues issues;
@@ -148,6 +148,7 @@ Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::pat
     scene.author = file.author;
     scene.licence = file.licence;
     scene.voxel_size_m = file.voxel_size_m;
+    scene.folder = file.folder;
     std::optional<std::filesystem::path> cached;
     if (cache_dir) cached = *cache_dir / (scene.sha256 + ".voxtree");
     std::optional<World> world;

@@ -34,9 +34,14 @@ struct SceneFile {
     /// Exactly one of these.
     std::optional<GeneratorParams> generator;
     std::optional<std::filesystem::path> vox;
+    /// Where the files lie that it names, and pictures of skies.
+    std::filesystem::path folder;
     /// Content of the scene file, for the hash.
     std::string text;
 };
+
+/// A plain file name: no folder, nothing hidden, at most 64 characters.
+bool is_file_name(const std::string& text);
 
 /// Reads a scene file; file names in it are taken from its folder. Throws IoError or SpecError.
 SceneFile read_scene_file(const std::filesystem::path& path);

@@ -27,7 +27,10 @@ struct Frame {
 class Traversal {
   public:
     Traversal(const VoxelTree& tree, const Ray& ray)
-        : nodes_(tree.nodes()), origin_(ray.origin), depth_(tree.depth()) {
+        : nodes_(tree.nodes()),
+          origin_(ray.origin),
+          direction_(ray.direction),
+          depth_(tree.depth()) {
         const Vec3 direction = safe_direction(ray.direction);
         inverse_ = 1.0 / direction;
         for (int axis = 0; axis < 3; ++axis) {
@@ -36,7 +39,8 @@ class Traversal {
     }
 
     /// With `passed`, the first node that `lod` calls opaque is noted there and gone into.
-    Hit run(const LevelOfDetail& lod, const TraceRange& range, Hit* passed = nullptr) {
+    Hit run(const LevelOfDetail& lod, const TraceRange& range, StopRule* rule,
+            Hit* passed = nullptr) {
         Hit hit;
         double t = t_enter_of({0, 0, 0}, 1 << depth_);
         const double t_exit = t_exit_of({0, 0, 0}, 1 << depth_);
@@ -58,7 +62,8 @@ class Traversal {
                     if (passed != nullptr && !*passed) finish(frame, level, octant, t, *passed);
                     if (passed == nullptr || child_level == 0) {
                         finish(frame, level, octant, t, hit);
-                        return hit;
+                        if (rule == nullptr || child_level == 0 || rule->stops(hit)) return hit;
+                        hit = Hit{.steps = hit.steps};
                     }
                 }
                 if (child_level > 0) {
@@ -156,6 +161,7 @@ class Traversal {
 
     void finish(const Frame& frame, int level, uint32_t octant, double t, Hit& hit) const {
         hit.t = t;
+        hit.point = origin_ + t * direction_;
         hit.level = level - 1;
         const int edge = 1 << hit.level;
         for (int axis = 0; axis < 3; ++axis) {
@@ -189,6 +195,7 @@ class Traversal {
 
     std::span<const VoxelNode> nodes_;
     Vec3 origin_;
+    Vec3 direction_;
     Vec3 inverse_{0.0};
     uint32_t mirror_ = 0;
     int depth_;
@@ -200,19 +207,29 @@ bool can_be_traced(const VoxelTree& tree, const Ray& ray) {
            ray.direction != Vec3(0.0);
 }
 
+Hit trace_with(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
+               const TraceRange& range, StopRule* rule) {
+    if (!can_be_traced(tree, ray)) return {};
+    return Traversal(tree, ray).run(lod, range, rule);
+}
+
 }  // namespace
 
 Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
           const TraceRange& range) {
-    if (!can_be_traced(tree, ray)) return {};
-    return Traversal(tree, ray).run(lod, range);
+    return trace_with(tree, ray, lod, range, nullptr);
+}
+
+Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod, const TraceRange& range,
+          StopRule& rule) {
+    return trace_with(tree, ray, lod, range, &rule);
 }
 
 HitBehind trace_through(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
                         const TraceRange& range) {
     HitBehind hit;
     if (!can_be_traced(tree, ray)) return hit;
-    hit.leaf = Traversal(tree, ray).run(lod, range, &hit.node);
+    hit.leaf = Traversal(tree, ray).run(lod, range, nullptr, &hit.node);
     hit.node.steps = hit.leaf.steps;
     return hit;
 }

@@ -24,6 +24,7 @@ class BakeRun {
         params_.cancel.throw_if_cancelled();
         plan_ = make_plan(*scene_, job_);
         begin_ = Clock::now();  // a budget of seconds does not pay for loading
+        light();
         enter(BakePhase::kPilot);
         tune();
         enter(BakePhase::kRendering);
@@ -57,6 +58,16 @@ class BakeRun {
     }
     bool out_of_time() const { return job_.budget.seconds && seconds_left() <= 0.0; }
 
+    void light() {
+        const bool any = std::any_of(job_.states.begin(), job_.states.end(),
+                                     [](const LightingState& state) { return state.lit(); });
+        if (any) enter(BakePhase::kLighting);
+        for (size_t s = 0; s < job_.states.size(); ++s) {
+            params_.pool.run(
+                [&] { states_.push_back(light_state(*scene_, job_, s, params_.cancel)); });
+        }
+    }
+
     void tune() {
         for (size_t s = 0; s < job_.states.size(); ++s) {
             std::optional<TimeBudget> time;
@@ -67,7 +78,7 @@ class BakeRun {
             }
             params_.pool.run([&] {
                 pilots_.push_back(
-                    run_pilot(*scene_, job_, plan_, job_.states[s], params_.cancel, time));
+                    run_pilot(*scene_, job_, plan_, states_[s], params_.cancel, time));
             });
         }
     }
@@ -106,7 +117,7 @@ class BakeRun {
                                 .peak_memory_bytes = peak_memory_bytes(),
                                 .threads = params_.pool.threads()};
         std::vector<MeasuredError> pooled;
-        for (const Pilot& pilot : pilots_) pooled.push_back(pooled_error(record, pilot.state));
+        for (const Pilot& pilot : pilots_) pooled.push_back(pooled_error(record, pilot.state.spec));
         for (size_t i = 0; params_.row_sink && i < results_.size(); ++i) {
             const size_t state = i % pilots_.size();
             params_.row_sink(write_probe_row(record, pilots_[state], results_[i], pooled[state]));
@@ -121,6 +132,7 @@ class BakeRun {
     Clock::time_point render_begin_ = start_;
     std::shared_ptr<const Scene> scene_;
     Plan plan_;
+    std::vector<ReadyState> states_;
     std::vector<Pilot> pilots_;
 
     std::mutex mutex_;
@@ -133,7 +145,7 @@ class BakeRun {
 }  // namespace
 
 std::string_view name_of(BakePhase phase) {
-    constexpr std::array<std::string_view, 4> kNames = {"loading", "pilot", "rendering",
+    constexpr std::array<std::string_view, 5> kNames = {"loading", "lighting", "pilot", "rendering",
                                                         "finished"};
     return kNames[static_cast<size_t>(phase)];
 }

@@ -1,7 +1,8 @@
 // One bake from a checked request to its report, whoever asked for it: the service, or the command
 // line without a service. Both give the same bytes.
 //
-//   scene -> plan -> pilot per state -> work units on the pool -> sink -> rows and report
+//   scene -> plan -> light of every lit state -> pilot per state -> work units on the pool -> sink
+//   -> rows and report
 #pragma once
 
 #include <functional>
@@ -15,7 +16,7 @@
 
 namespace probebake {
 
-enum class BakePhase { kLoading, kPilot, kRendering, kFinished };
+enum class BakePhase { kLoading, kLighting, kPilot, kRendering, kFinished };
 std::string_view name_of(BakePhase phase);
 
 struct BakeProgress {

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "bake/bake_fixture.h"
 
@@ -59,6 +62,59 @@ TEST_F(BakeRunTest, BakesEveryProbeInEveryStateWithTheSameBytesForAnyThreadCount
     EXPECT_EQ(one.rows[3]["state"], "emission");
     EXPECT_EQ(one.report["totals"]["cubemaps"], 10u);
     for (const int threads : {2, 7}) EXPECT_EQ(bake(job, threads).sha256, one.sha256) << threads;
+}
+
+Json lit_request(int probes) {
+    Json request = test::small_request(probes, {{"psnr_db", 28.0}});
+    request["lighting_states"] = {
+        "albedo",
+        {{"id", "day"},
+         {"sun", {{"direction", {1, 3, 2}}, {"irradiance_w_m2", {900, 850, 800}}}},
+         {"sky", {{"type", "constant"}, {"radiance_w_m2_sr", {10, 20, 30}}, {"rays", 8}}}}};
+    return request;
+}
+
+TEST_F(BakeRunTest, ALitStateGivesTheSameBytesForAnyThreadCountAndAnyCompany) {
+    const JobSpec job = read_job(lit_request(3));
+    const Outcome one = bake(job, 1);
+    EXPECT_EQ(one.sha256.size(), 3u * 2);
+    for (const int threads : {2, 7}) EXPECT_EQ(bake(job, threads).sha256, one.sha256) << threads;
+    // Another state beside it changes nothing.
+    JobSpec alone = job;
+    alone.states.erase(alone.states.begin());
+    for (const auto& [name, sha256] : bake(alone, 2).sha256) EXPECT_EQ(one.sha256.at(name), sha256);
+    // The report says what the light cost; the plan expected its memory.
+    const Json& states = one.report["states"];
+    EXPECT_FALSE(states[0].contains("lighting"));
+    EXPECT_GT(states[1]["lighting"]["sky_rays"], 1000);
+    EXPECT_GT(states[1]["lighting"]["bytes"], 1000);
+    EXPECT_GT(one.report["plan"]["memory"]["light_bytes"], 1000);
+    EXPECT_TRUE(std::any_of(one.progress.begin(), one.progress.end(), [](const auto& progress) {
+        return progress.phase == BakePhase::kLighting;
+    }));
+}
+
+TEST_F(BakeRunTest, CancellingStopsTheLighting) {
+    Json request = lit_request(1);
+    request["lighting_states"][1]["sky"]["rays"] = 4096;
+    request["lighting_states"][1]["sky"]["gather_m"] = 0.01;
+    const JobSpec job = read_job(request);
+    RenderPool pool(2);
+    BakeParams params = this->params(job, pool);
+    std::chrono::steady_clock::time_point asked;
+    std::thread canceller;
+    params.on_progress = [&](const BakeProgress& progress) {
+        if (progress.phase != BakePhase::kLighting) return;
+        canceller = std::thread([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            asked = std::chrono::steady_clock::now();
+            cancel_.cancel();
+        });
+    };
+    EXPECT_THROW(run_bake(params), Cancelled);
+    const auto stopped = std::chrono::steady_clock::now();
+    canceller.join();
+    EXPECT_LT(std::chrono::duration<double>(stopped - asked).count(), 1.0);
 }
 
 TEST_F(BakeRunTest, ReportsProgressThroughItsPhases) {

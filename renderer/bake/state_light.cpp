@@ -8,8 +8,8 @@
 namespace probebake {
 namespace {
 
-/// Of worlds that are a skin of voxels; solid ones take less (docs/decisions.md).
-constexpr uint64_t kBytesPerVoxel = 26;
+/// Of a wood of thin leaves; most worlds take less (docs/decisions.md).
+constexpr uint64_t kBytesPerVoxel = 33;
 
 const SkyFileSpec* picture_of(const LightingState& state) {
     return state.sky ? std::get_if<SkyFileSpec>(&state.sky->what) : nullptr;

@@ -8,8 +8,8 @@
 namespace probebake {
 namespace {
 
-/// Measured on the generated worlds and worldA (docs/decisions.md).
-constexpr uint64_t kBytesPerVoxel = 24;
+/// Of a wood of thin leaves; most worlds take less (docs/decisions.md).
+constexpr uint64_t kBytesPerVoxel = 33;
 
 const SkyFileSpec* picture_of(const LightingState& state) {
     return state.sky ? std::get_if<SkyFileSpec>(&state.sky->what) : nullptr;

@@ -17,6 +17,8 @@ bool on_thin_things(const StudyScene& scene) {
 Json no_params() { return Json::object(); }
 Json probe_params() { return {{"probes", kProbeCount}, {"face_px", kProbeFace_px}}; }
 
+Json thin_params() { return {{"shifts", 1024}}; }
+
 constexpr std::array<Experiment, 7> kExperiments = {{
     {"rendering", "Ray and step counts, classes, quality", on_views, no_params, run_rendering},
     {"threshold_decay", "Threshold and decay", on_terrains_and_worlds, no_params,
@@ -25,7 +27,7 @@ constexpr std::array<Experiment, 7> kExperiments = {{
     {"equal_steps", "Equal steps", on_views, no_params, run_equal_steps},
     {"resolutions", "Resolutions", on_terrains_and_worlds, no_params, run_resolutions},
     {"probes", "Light probes", on_views, probe_params, run_probes},
-    {"thin", "Slackline and torch", on_thin_things, no_params, run_thin},
+    {"thin", "Slackline and torch", on_thin_things, thin_params, run_thin},
 }};
 
 }  // namespace

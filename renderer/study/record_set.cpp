@@ -1,6 +1,7 @@
 #include "study/record_set.h"
 
 #include <cmath>
+#include <limits>
 
 #include "image/metrics.h"
 
@@ -36,7 +37,7 @@ Json write_error(const SetError& error) {
     const auto psnr = error.psnr_db();
     return {{"rmse", error.rmse},
             {"psnr_db", psnr ? Json(*psnr) : Json(nullptr)},
-            {"ssim", error.ssim}};
+            {"ssim", error.ssim ? Json(*error.ssim) : Json(nullptr)}};
 }
 
 }  // namespace
@@ -103,13 +104,16 @@ SetError RecordSet::compare(const std::vector<Image>& images, const std::vector<
             errors.push_back(compare_images(images[i], to[i], 1.0));
         }
     }
-    SetError mean{.rmse = 0.0, .ssim = 0.0};
+    double squared = 0.0;
+    double ssim = 0.0;
     for (const ImageError& error : errors) {
-        mean.rmse += error.rmse * error.rmse;
-        mean.ssim += error.ssim.value_or(1.0);
+        squared += error.rmse * error.rmse;
+        ssim += error.ssim.value_or(std::numeric_limits<double>::quiet_NaN());
     }
     const auto count = static_cast<double>(errors.size());
-    return {.rmse = std::sqrt(mean.rmse / count), .ssim = mean.ssim / count};
+    SetError mean{.rmse = std::sqrt(squared / count)};
+    if (!std::isnan(ssim)) mean.ssim = ssim / count;
+    return mean;
 }
 
 Measured RecordSet::measure(const Outcome& outcome) const {

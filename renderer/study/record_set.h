@@ -17,7 +17,7 @@ namespace probebake::study {
 /// How far images are from what they are compared with.
 struct SetError {
     double rmse = 0.0;
-    double ssim = 1.0;
+    std::optional<double> ssim;             // none below 11 pixels
     std::optional<double> psnr_db() const;  // none where exact
 };
 

@@ -139,7 +139,6 @@ class StudyRun {
             }
             outcome_.results[experiment.name][scene.name] = std::move(*result);
         }
-        progress(scene.name);
     }
 
     const StudyParams& params_;

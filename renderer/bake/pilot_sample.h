@@ -5,7 +5,7 @@
 
 #include "bake/probe_view.h"
 #include "bake/quality_search.h"
-#include "render/cancel.h"
+#include "io/cancel.h"
 
 namespace probebake {
 

@@ -28,15 +28,16 @@ Cast coarse_ray(const RenderScene& scene, const View& view, const Vec2& at, int 
     return cast;
 }
 
-/// Calls visit(hit) for the 2×2 leaf rays of a quadrant; with the others of the pixel they form the
-/// regular 4×4 grid.
+/// Calls visit(direction, hit) for the 2×2 leaf rays of a quadrant; with the others of the pixel
+/// they form the regular 4×4 grid.
 template <class Visit>
 void quadrant_leaf_rays(const RenderScene& scene, const View& view, const Vec2& quadrant,
                         Visit visit) {
     for (int i = 0; i < 4; ++i) {
         const double x = quadrant.x - 0.125 + 0.25 * (i & 1);
         const double y = quadrant.y - 0.125 + 0.25 * (i >> 1);
-        visit(trace(scene.tree, pixel_ray(view, x, y).ray, {}, scene.range));
+        const Ray ray = pixel_ray(view, x, y).ray;
+        visit(ray.direction, trace(scene.tree, ray, {}, scene.range));
     }
 }
 
@@ -51,13 +52,13 @@ PixelSums refine_quadrants(const RenderScene& scene, const View& view, int x, in
         const double error = hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
         if (!needs_refinement(error, settings.threshold)) {
             stats.keep(cast.hit);
-            sums.add(shade(scene, cast.hit), cast.hit.t, t_max, 1.0 / 4);
+            sums.add(shade(scene, cast.pixel.ray.direction, cast.hit), cast.hit.t, t_max, 1.0 / 4);
             continue;
         }
         stats.discard(cast.hit);
-        quadrant_leaf_rays(scene, view, at, [&](const Hit& hit) {
+        quadrant_leaf_rays(scene, view, at, [&](const Vec3& direction, const Hit& hit) {
             stats.keep(hit);
-            sums.add(shade(scene, hit), hit.t, t_max, 1.0 / 16);
+            sums.add(shade(scene, direction, hit), hit.t, t_max, 1.0 / 16);
         });
     }
     return sums;
@@ -83,9 +84,9 @@ void add_cost(ReplayedPixel& pixel, const RefinementRecord::Rays& rays) {
 class RaysRecorder {
   public:
     RaysRecorder(const RenderScene& scene, CostStats& stats) : scene_(scene), stats_(stats) {}
-    void add(const Hit& hit) {
+    void add(const Vec3& direction, const Hit& hit) {
         stats_.keep(hit);
-        const Vec3 color(shade(scene_, hit));
+        const Vec3 color(shade(scene_, direction, hit));
         rays_.color += color;
         rays_.square += color * color;
         rays_.steps += hit.steps;
@@ -117,7 +118,7 @@ double hit_error(const RenderScene& scene, const Vec3& direction, const Hit& hit
 FirstRay first_ray(const RenderScene& scene, const View& view, int x, int y,
                    const RenderSettings& settings) {
     const Cast cast = coarse_ray(scene, view, {x, y}, 0, settings);
-    return {cast.hit, shade(scene, cast.hit),
+    return {cast.hit, shade(scene, cast.pixel.ray.direction, cast.hit),
             hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay)};
 }
 
@@ -153,7 +154,7 @@ RefinementRecord record_refinement(const RenderScene& scene, const View& view, i
         const Cast cast = coarse_ray(scene, view, at, refinement, settings);
         error = hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
         RaysRecorder recorder(scene, stats);
-        recorder.add(cast.hit);
+        recorder.add(cast.pixel.ray.direction, cast.hit);
         return recorder.means();
     };
     RefinementRecord record;
@@ -170,14 +171,16 @@ void record_leaves(const RenderScene& scene, const View& view, int x, int y, int
     if (leaf_grid == 4) {
         for (int q = 0; q < 4; ++q) {
             RaysRecorder recorder(scene, stats);
-            quadrant_leaf_rays(scene, view, quadrant_centre(x, y, q),
-                               [&](const Hit& hit) { recorder.add(hit); });
+            quadrant_leaf_rays(
+                scene, view, quadrant_centre(x, y, q),
+                [&](const Vec3& direction, const Hit& hit) { recorder.add(direction, hit); });
             record.quadrants[static_cast<size_t>(q)].leaves = recorder.means();
         }
         return;
     }
     RaysRecorder recorder(scene, stats);
-    for_each_grid_ray(scene, view, x, y, leaf_grid, {}, [&](const Hit& hit) { recorder.add(hit); });
+    for_each_grid_ray(scene, view, x, y, leaf_grid, {},
+                      [&](const Vec3& direction, const Hit& hit) { recorder.add(direction, hit); });
     record.grids[static_cast<size_t>(leaf_grid)] = recorder.means();
 }
 

@@ -39,9 +39,9 @@ PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y
                         CostStats& stats, const LevelOfDetail& lod) {
     PixelSums sums;
     const double weight = 1.0 / (grid * grid);
-    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Hit& hit) {
+    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, const Hit& hit) {
         stats.keep(hit);
-        sums.add(shade(scene, hit), hit.t, scene.range.t_max, weight);
+        sums.add(shade(scene, direction, hit), hit.t, scene.range.t_max, weight);
     });
     return sums;
 }
@@ -55,7 +55,7 @@ PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,
     const Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
     stats.keep(hit);
     PixelSums sums;
-    sums.add(shade(scene, hit), hit.t, scene.range.t_max, 1.0);
+    sums.add(shade(scene, cast.ray.direction, hit), hit.t, scene.range.t_max, 1.0);
     return sums;
 }
 
@@ -70,7 +70,7 @@ Rgb stratified_pixel(const RenderScene& scene, const View& view, int x, int y, i
                 pixel_ray(view, x - 0.5 + (i + u) / side, y - 0.5 + (j + v) / side);
             const Hit hit = trace(scene.tree, cast.ray, {}, scene.range);
             stats.keep(hit);
-            sum += Vec3(shade(scene, hit));
+            sum += Vec3(shade(scene, cast.ray.direction, hit));
         }
     }
     return Rgb(sum / static_cast<double>(side * side));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "light/face_colors.h"
+#include "light/sky.h"
 #include "math/random.h"
 #include "render/cost_stats.h"
 #include "render/render_settings.h"
@@ -16,7 +18,9 @@ struct RenderScene {
     const VoxelTree& tree;
     const ColorLevels& color;  // empty: black wherever something is hit
     Rgb background{0.0f};
-    TraceRange range;  // voxels
+    TraceRange range;                 // voxels
+    const FaceColors* lit = nullptr;  // radiance per face: takes the place of `color`
+    const Sky* sky = nullptr;         // takes the place of `background`
 };
 
 /// Weighted sums over the kept rays of a pixel; the weights of a finished pixel add up to 1.
@@ -49,11 +53,18 @@ struct PixelSums {
     double spread() const;
 };
 
-/// Colour of a hit at its own level; the background for a miss.
-inline Rgb shade(const RenderScene& scene, const Hit& hit) {
-    if (!hit) return scene.background;
+/// What a ray of this direction shows of the hit's ancestor at octree level `level` (hit.level: the
+/// node hit itself); for a miss, what lies behind the world.
+inline Rgb shade_at(const RenderScene& scene, const Vec3& direction, const Hit& hit, int level) {
+    if (!hit) return scene.sky != nullptr ? scene.sky->radiance(direction) : scene.background;
+    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, hit, level);
     if (scene.color.empty()) return Rgb(0.0f);
-    return scene.color[color_index(scene.tree, hit, hit.level)];
+    return scene.color[color_index(scene.tree, hit, level)];
+}
+
+/// The same of the node hit.
+inline Rgb shade(const RenderScene& scene, const Vec3& direction, const Hit& hit) {
+    return shade_at(scene, direction, hit, hit.level);
 }
 
 /// A ray through a pixel and its cone: the largest node edge per distance that the footprint
@@ -65,7 +76,7 @@ struct PixelRay {
 };
 PixelRay pixel_ray(const View& view, double x, double y, double pixels = 1.0);
 
-/// Calls visit(hit) for grid × grid rays on the regular grid of the pixel's footprint.
+/// Calls visit(direction, hit) for grid × grid rays on the regular grid of the pixel's footprint.
 template <class Visit>
 void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y, int grid,
                        const LevelOfDetail& lod, Visit visit) {
@@ -73,7 +84,7 @@ void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y,
         for (int i = 0; i < grid; ++i) {
             const PixelRay cast =
                 pixel_ray(view, x - 0.5 + (i + 0.5) / grid, y - 0.5 + (j + 0.5) / grid);
-            visit(trace(scene.tree, cast.ray, lod, scene.range));
+            visit(cast.ray.direction, trace(scene.tree, cast.ray, lod, scene.range));
         }
     }
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "image/cubemap.h"
-#include "render/cancel.h"
+#include "io/cancel.h"
 #include "render/pixel.h"
 
 namespace probebake {

@@ -36,9 +36,13 @@ std::string beside(const std::string& ours, bool with_thesis, std::optional<doub
     return with_thesis && thesis ? ours + " (" + decimals(*thesis, count) + ")" : ours;
 }
 
+std::string titled(const std::string& title, bool with_thesis, const std::string& thesis) {
+    return with_thesis ? title + "; in brackets the thesis's " + thesis : title;
+}
+
 TextTable scenes_table(const Json& rendering, bool with_thesis) {
     TextTable table{.name = "scenes",
-                    .title = "Scenes (table 4.1); in brackets the thesis's area of that name",
+                    .title = titled("Scenes (table 4.1)", with_thesis, "area of that name"),
                     .columns = {"scene", "voxels", "octree nodes per voxel", "pixels that hit",
                                 "steps per LOD ray"}};
     for (const auto& [scene, result] : rendering.items()) {
@@ -97,8 +101,8 @@ TextTable ratios_table(const Json& rendering, bool with_thesis) {
     TextTable table{
         .name = "rendering_ratios",
         .title =
-            "Error-aware over adaptive; in brackets the thesis's (tables 5.2-5.17), which has "
-            "one kernel, the reference, and unequal steps",
+            titled("Error-aware over adaptive", with_thesis,
+                   "figures (tables 5.2-5.17), against the reference and with unequal steps"),
         .columns = {"scene", "RMSE / A, reference", "RMSE / A', reference", "RMSE / A, truth",
                     "RMSE / A', truth", "RMSE / A with the desert's normaliser, reference",
                     "steps / that A", "rays / that A"}};
@@ -141,8 +145,8 @@ TextTable ratios_table(const Json& rendering, bool with_thesis) {
 std::vector<TextTable> decay_tables(const Json& experiment, bool with_thesis) {
     TextTable cells{.name = "threshold_decay",
                     .title =
-                        "Rays that hit, relative to decay 0.2 and threshold 0.15; in brackets "
-                        "the thesis's desert (table 5.1)",
+                        titled("Rays that hit, relative to decay 0.2 and threshold 0.15",
+                               with_thesis, "desert (table 5.1)"),
                     .columns = {"scene", "decay"}};
     for (const double threshold : kThresholds) cells.columns.push_back(text_of(threshold));
     TextTable best{.name = "decays",
@@ -187,8 +191,8 @@ std::vector<TextTable> decay_tables(const Json& experiment, bool with_thesis) {
 TextTable thresholds_table(const Json& experiment, bool with_thesis) {
     TextTable table{.name = "thresholds",
                     .title =
-                        "Error-aware, decay 0.2, relative to threshold 0.15; in brackets the "
-                        "thesis's desert (tables 5.27, 5.28)",
+                        titled("Error-aware, decay 0.2, relative to threshold 0.15", with_thesis,
+                               "desert (tables 5.27, 5.28)"),
                     .columns = {"scene", "threshold", "rays that hit", "steps", "RMSE reference",
                                 "RMSE truth", "SSIM reference"}};
     for (const auto& [scene, result] : experiment.items()) {
@@ -235,9 +239,10 @@ TextTable equal_steps_table(const Json& experiment, const std::string& name,
 TextTable resolutions_table(const Json& experiment, bool with_thesis) {
     TextTable table{.name = "resolutions",
                     .title =
-                        "Rays that hit of a view over those of the next smaller one, and RMSE "
-                        "of error-aware over adaptive; in brackets the thesis's desert "
-                        "(tables 5.29, 5.30), whose levels are fixed",
+                        titled("Rays that hit of a view over those of the next smaller one, and "
+                               "RMSE of error-aware over adaptive",
+                               with_thesis,
+                               "desert (tables 5.29, 5.30), whose levels are fixed"),
                     .columns = {"scene", "levels", "pixels", "error-aware rays / smaller view's",
                                 "adaptive rays / smaller view's", "RMSE reference", "RMSE truth"}};
     for (const auto& [scene, result] : experiment.items()) {

@@ -27,7 +27,10 @@ struct Frame {
 class Traversal {
   public:
     Traversal(const VoxelTree& tree, const Ray& ray)
-        : nodes_(tree.nodes()), origin_(ray.origin), depth_(tree.depth()) {
+        : nodes_(tree.nodes()),
+          origin_(ray.origin),
+          direction_(ray.direction),
+          depth_(tree.depth()) {
         const Vec3 direction = safe_direction(ray.direction);
         inverse_ = 1.0 / direction;
         for (int axis = 0; axis < 3; ++axis) {
@@ -35,7 +38,7 @@ class Traversal {
         }
     }
 
-    Hit run(const LevelOfDetail& lod, const TraceRange& range) {
+    Hit run(const LevelOfDetail& lod, const TraceRange& range, StopRule* rule) {
         Hit hit;
         double t = t_enter_of({0, 0, 0}, 1 << depth_);
         const double t_exit = t_exit_of({0, 0, 0}, 1 << depth_);
@@ -55,7 +58,8 @@ class Traversal {
                                     static_cast<double>(1 << child_level) <= lod.cone * t;
                 if (opaque && t >= range.t_min) {
                     finish(frame, level, octant, t, hit);
-                    return hit;
+                    if (rule == nullptr || child_level == 0 || rule->stops(hit)) return hit;
+                    hit = Hit{.steps = hit.steps};
                 }
                 if (child_level > 0) {
                     push_child(frame, level, octant, t, child_exit);
@@ -152,6 +156,7 @@ class Traversal {
 
     void finish(const Frame& frame, int level, uint32_t octant, double t, Hit& hit) const {
         hit.t = t;
+        hit.point = origin_ + t * direction_;
         hit.level = level - 1;
         const int edge = 1 << hit.level;
         for (int axis = 0; axis < 3; ++axis) {
@@ -185,21 +190,32 @@ class Traversal {
 
     std::span<const VoxelNode> nodes_;
     Vec3 origin_;
+    Vec3 direction_;
     Vec3 inverse_{0.0};
     uint32_t mirror_ = 0;
     int depth_;
     std::array<Frame, kMaxDepth + 1> frames_;  // by octree level; set as they are entered
 };
 
-}  // namespace
-
-Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
-          const TraceRange& range) {
+Hit trace_with(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
+               const TraceRange& range, StopRule* rule) {
     if (tree.empty() || !is_finite(ray.origin) || !is_finite(ray.direction) ||
         ray.direction == Vec3(0.0)) {
         return {};
     }
-    return Traversal(tree, ray).run(lod, range);
+    return Traversal(tree, ray).run(lod, range, rule);
+}
+
+}  // namespace
+
+Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod,
+          const TraceRange& range) {
+    return trace_with(tree, ray, lod, range, nullptr);
+}
+
+Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod, const TraceRange& range,
+          StopRule& rule) {
+    return trace_with(tree, ray, lod, range, &rule);
 }
 
 ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level) {

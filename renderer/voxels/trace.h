@@ -39,6 +39,7 @@ struct Hit {
     CubeFace entry_face = CubeFace::kPosX;  // outward normal of the face that was met
     uint32_t steps = 0;  // non-empty octree nodes entered below the root, whatever came of it
     IVec3 corner{0};     // lowest voxel of the node hit
+    Vec3 point{0.0};     // where the ray meets the node, voxels
     /// Index of the ancestor (or the node itself) at each node level; valid from (level − 1) / 2
     /// up.
     std::array<uint32_t, kMaxNodeLevels> path{};
@@ -50,6 +51,16 @@ struct Hit {
 /// without direction, misses in 0 steps. Requires a unit direction where lod.cone > 0.
 Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod = {},
           const TraceRange& range = {});
+
+/// Asked about every node above the voxels at which the level of detail would let the ray stop;
+/// where it says no, the ray goes on into the node's children.
+class StopRule {
+  public:
+    virtual ~StopRule() = default;
+    virtual bool stops(const Hit& node) = 0;
+};
+Hit trace(const VoxelTree& tree, const Ray& ray, const LevelOfDetail& lod, const TraceRange& range,
+          StopRule& rule);
 
 /// Where the colour stands of the hit's ancestor at octree level `level` (hit.level ≤ level ≤
 /// depth; hit.level is the node hit itself).

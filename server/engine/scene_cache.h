@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "engine/render_pool.h"
-#include "render/cancel.h"
+#include "io/cancel.h"
 #include "scene/scene_library.h"
 
 namespace probebake {

@@ -1,0 +1,68 @@
+#include "light/face_colors.h"
+
+#include <cmath>
+#include <limits>
+
+namespace probebake {
+namespace {
+
+enum class Side { kBehind, kInFront, kBoth };
+
+/// On which side of a group's faces the point lies; `at` in steps from the node's lowest corner.
+Side side_of(const FaceGroup& group, bool towards_negative, double at) {
+    if (towards_negative) {
+        if (at <= group.low) return Side::kInFront;
+        return at > group.high ? Side::kBehind : Side::kBoth;
+    }
+    if (at >= group.high) return Side::kInFront;
+    return at < group.low ? Side::kBehind : Side::kBoth;
+}
+
+/// The stand-in for a face direction that the node does not expose (FaceColors::seen), without
+/// the scale.
+Rgb darkest_in_front(const FaceLevel& faces, size_t node, const Hit& hit) {
+    const double step = std::ldexp(1.0, hit.level) / FaceGroup::kSteps;
+    Rgb darkest(0.0f);
+    float least = std::numeric_limits<float>::infinity();
+    for (int face = 0; face < kFaceCount; ++face) {
+        const int axis = face / 2;
+        if (axis == axis_of(hit.entry_face) || !faces.exposes(node, face)) continue;
+        const size_t at = faces.index_of(node, face);
+        const Side side =
+            side_of(faces.groups[at], face % 2 == 1, (hit.point[axis] - hit.corner[axis]) / step);
+        if (side == Side::kBehind) continue;
+        if (side == Side::kBoth) return Rgb(0.0f);
+        const float share = static_cast<float>(faces.groups[at].darkest) / FaceGroup::kAll;
+        const Rgb color = unpack_rgb(faces.values[at]) * share;
+        if (luminance(color) < least) {
+            least = luminance(color);
+            darkest = color;
+        }
+    }
+    return darkest;
+}
+
+}  // namespace
+
+Rgb FaceColors::seen(const VoxelTree& tree, const Hit& hit, int level) const {
+    const ColorIndex node = color_index(tree, hit, hit.level);
+    const FaceLevel& faces = this->level(node.array);
+    const int face = probebake::index_of(hit.entry_face);
+    if (!faces.exposes(node.index, face)) {
+        if (node.array == ColorIndex::Array::kVoxels) return Rgb(0.0f);
+        return darkest_in_front(faces, node.index, hit) * scale;
+    }
+    const size_t own = faces.index_of(node.index, face);
+    if (faces.values[own] == 0) return Rgb(0.0f);
+    PackedRgb value = faces.values[own];
+    if (level != hit.level) {
+        const ColorIndex above = color_index(tree, hit, level);
+        const FaceLevel& faces_above = this->level(above.array);
+        value = faces_above.values[faces_above.index_of(above.index, face)];
+    }
+    const float share =
+        faces.groups.empty() ? 1.0f : static_cast<float>(faces.groups[own].share) / FaceGroup::kAll;
+    return unpack_rgb(value) * (scale * share);
+}
+
+}  // namespace probebake

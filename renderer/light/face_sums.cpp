@@ -1,0 +1,98 @@
+#include "light/face_sums.h"
+
+#include <tbb/parallel_for.h>
+
+#include <stdexcept>
+
+namespace probebake {
+namespace {
+
+void index_values(FaceLevel& level) {
+    level.exposed.resize((level.exposed.size() + 7) / 8 * 8, 0);
+    level.first.resize(level.exposed.size() / 8);
+    uint64_t count = 0;
+    for (size_t word = 0; word < level.first.size(); ++word) {
+        if (count > std::numeric_limits<uint32_t>::max()) {
+            throw std::length_error("the scene has more than 4,294,967,295 exposed faces");
+        }
+        level.first[word] = static_cast<uint32_t>(count);
+        count += static_cast<uint64_t>(std::popcount(level.word(8 * word)));
+    }
+    level.values.resize(count);
+}
+
+}  // namespace
+
+FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
+                     const std::array<Rgb, kFaceCount>& radiance) {
+    FaceSums sums;
+    for (int face = 0; face < kFaceCount; ++face) {
+        if (((exposed >> face) & 1u) == 0) continue;
+        const Rgb& color = radiance[static_cast<size_t>(face)];
+        const int plane = position[face / 2] + (face % 2 == 0 ? 1 : 0);
+        sums.groups[static_cast<size_t>(face)] = {.sum = Vec3(color),
+                                                  .count = 1,
+                                                  .lit = color == Rgb(0.0f) ? 0u : 1u,
+                                                  .darkest = luminance(color),
+                                                  .low = plane,
+                                                  .high = plane};
+    }
+    return sums;
+}
+
+void lay_out(const VoxelTree& tree, FaceColors& colors) {
+    colors.octants.exposed.resize(tree.octant_count());
+    colors.nodes.exposed.resize(tree.nodes().size());
+    for (int k = 0; k < tree.node_levels(); ++k) {
+        const std::vector<uint8_t>& below = k == 0 ? colors.voxels.exposed : colors.nodes.exposed;
+        const std::span<const VoxelNode> level = tree.node_level(k);
+        const uint64_t begin = tree.level_begin(k);
+        tbb::parallel_for(size_t{0}, level.size(), [&](size_t i) {
+            uint32_t child = level[i].first_child;
+            uint32_t octant = level[i].octant_base;
+            unsigned all = 0;
+            for (uint64_t rest = level[i].mask; rest != 0; rest >>= 8) {
+                const int children = std::popcount(rest & 0xFFu);
+                if (children == 0) continue;
+                unsigned some = 0;
+                for (int c = 0; c < children; ++c) some |= below[child++];
+                colors.octants.exposed[octant++] = static_cast<uint8_t>(some);
+                all |= some;
+            }
+            colors.nodes.exposed[begin + i] = static_cast<uint8_t>(all);
+        });
+    }
+    index_values(colors.voxels);
+    index_values(colors.octants);
+    index_values(colors.nodes);
+    colors.octants.groups.resize(colors.octants.values.size());
+    colors.nodes.groups.resize(colors.nodes.values.size());
+}
+
+void write_means(FaceLevel& level, size_t node, const FaceSums& sums, const IVec3& corner, int edge,
+                 float scale) {
+    for (int face = 0; face < kFaceCount; ++face) {
+        if (!level.exposes(node, face)) continue;
+        const FaceSums::Group& group = sums.groups[static_cast<size_t>(face)];
+        const size_t at = level.index_of(node, face);
+        if (group.lit > 0) {
+            level.values[at] =
+                pack_rgb(Rgb(group.sum / (static_cast<double>(group.lit) * double{scale})));
+        }
+        if (level.groups.empty()) continue;
+        const float stored = luminance(unpack_rgb(level.values[at])) * scale;
+        const double darkest =
+            stored > 0.0f ? std::min(1.0, double{group.darkest} / double{stored}) : 0.0;
+        const double share = static_cast<double>(group.lit) / static_cast<double>(group.count);
+        const double step = static_cast<double>(edge) / FaceGroup::kSteps;
+        const int from = corner[face / 2];
+        level.groups[at] = {
+            .low = static_cast<uint8_t>(std::floor((group.low - from) / step)),
+            .high = static_cast<uint8_t>(std::ceil((group.high - from) / step)),
+            .share = static_cast<uint8_t>(
+                group.lit == 0 ? 0.0 : std::max(1.0, std::round(share * FaceGroup::kAll))),
+            .darkest = static_cast<uint8_t>(std::floor(darkest * FaceGroup::kAll))};
+    }
+}
+
+}  // namespace probebake

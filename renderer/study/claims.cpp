@@ -161,6 +161,47 @@ void resolution_claims(TextTable& table, const Json& experiment) {
     }
 }
 
+void times_claims(TextTable& table, const Json& experiment) {
+    Verdict equal;
+    Verdict fixed;
+    for (const auto& [scene, result] : experiment.items()) {
+        for (const Json& row : result["rows"]) {
+            const std::string where = scene + " " + std::to_string(row["time"].get<int>());
+            const Json& ea = row["error_aware"];
+            const double at_equal =
+                rmse_of(ea, "reference") / rmse_of(row["adaptive"], "reference");
+            equal.add(where, at_equal < 1.0, at_equal);
+            const double as_albedo =
+                rmse_of(ea, "reference") / rmse_of(row["adaptive_of_albedo"], "reference");
+            fixed.add(where, as_albedo < 1.0, as_albedo);
+        }
+    }
+    add(table,
+        "error-aware has a smaller RMSE than adaptive at every time of day (5.3), settings as in "
+        "albedo, reference",
+        fixed);
+    add(table, "the same at equal steps", equal);
+}
+
+void beam_claims(TextTable& table, const Json& experiment) {
+    for (const auto& [scene, result] : experiment.items()) {
+        for (const Json& mode : result["modes"]) {
+            const auto name = mode["mode"].get<std::string>();
+            const auto kept = mode["kept"].get<double>();
+            Verdict verdict;
+            if (name == "distance") {
+                const int until = mode["lit_until_z"].get<int>();
+                verdict.add("z", until < 890, std::to_string(until));
+                add(table, "a level of detail by distance cuts the beam off (3.5)", verdict);
+            } else if (name != "leaf") {
+                verdict.add(name, kept >= 0.99 && kept <= 1.01, decimals(kept, 3));
+                add(table, "error-aware levels follow the reference beam, within 1 % (3.5)",
+                    verdict);
+            }
+        }
+    }
+}
+
 void thin_claims(TextTable& table, const Json& experiment) {
     for (const auto& [scene, result] : experiment.items()) {
         const bool torch = scene == "torch";
@@ -199,6 +240,8 @@ TextTable claims_table(const Json& results) {
     if (results.contains("probes")) equal_steps_claims(table, results["probes"], "light probes");
     if (results.contains("threshold_decay")) decay_claims(table, results["threshold_decay"]);
     if (results.contains("resolutions")) resolution_claims(table, results["resolutions"]);
+    if (results.contains("times_of_day")) times_claims(table, results["times_of_day"]);
+    if (results.contains("beam")) beam_claims(table, results["beam"]);
     if (results.contains("thin")) thin_claims(table, results["thin"]);
     return table;
 }

@@ -10,6 +10,8 @@ bool on_views(const StudyScene& scene) { return scene.kind != SceneKind::kQuesti
 bool on_terrains_and_worlds(const StudyScene& scene) {
     return scene.kind == SceneKind::kTerrain || scene.kind == SceneKind::kWorld;
 }
+bool on_terrains(const StudyScene& scene) { return scene.kind == SceneKind::kTerrain; }
+bool on_cornell(const StudyScene& scene) { return scene.name == "cornell"; }
 bool on_thin_things(const StudyScene& scene) {
     return scene.name == "slackline" || scene.name == "torch";
 }
@@ -19,7 +21,7 @@ Json probe_params() { return {{"probes", kProbeCount}, {"face_px", kProbeFace_px
 
 Json thin_params() { return {{"shifts", 1024}}; }
 
-constexpr std::array<Experiment, 7> kExperiments = {{
+constexpr std::array<Experiment, 9> kExperiments = {{
     {"rendering", "Ray and step counts, classes, quality", on_views, no_params, run_rendering},
     {"threshold_decay", "Threshold and decay", on_terrains_and_worlds, no_params,
      run_threshold_decay},
@@ -27,6 +29,8 @@ constexpr std::array<Experiment, 7> kExperiments = {{
     {"equal_steps", "Equal steps", on_views, no_params, run_equal_steps},
     {"resolutions", "Resolutions", on_terrains_and_worlds, no_params, run_resolutions},
     {"probes", "Light probes", on_views, probe_params, run_probes},
+    {"times_of_day", "Times of day", on_terrains, times_of_day_params, run_times_of_day},
+    {"beam", "Cornell beam", on_cornell, no_params, run_beam},
     {"thin", "Slackline and torch", on_thin_things, thin_params, run_thin},
 }};
 

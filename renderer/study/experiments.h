@@ -20,6 +20,12 @@ Json run_probes(const ExperimentInput& input);
 /// The slackline (3.7, 3.8) and the torch (1.1): how much of something thin is left.
 Json run_thin(const ExperimentInput& input);
 
+/// Tables 5.18-5.26: four positions of the sun.
+Json run_times_of_day(const ExperimentInput& input);
+Json times_of_day_params();
+/// Figures 3.4-3.6: the Cornell box's beam by shadow rays.
+Json run_beam(const ExperimentInput& input);
+
 /// Rows {"renderer", counts, errors} of every renderer on a set of views, error-aware with the
 /// thesis's threshold and decay, adaptive with its steps and with the global normalisers.
 Json measure_renderers(const RecordSet& set, const GlobalNormalisers& normalisers);

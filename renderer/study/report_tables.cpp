@@ -100,9 +100,8 @@ TextTable renderers_table(const Json& rendering, const std::string& name,
 TextTable ratios_table(const Json& rendering, bool with_thesis) {
     TextTable table{
         .name = "rendering_ratios",
-        .title =
-            titled("Error-aware over adaptive", with_thesis,
-                   "figures (tables 5.2-5.17), against the reference and with unequal steps"),
+        .title = titled("Error-aware over adaptive", with_thesis,
+                        "figures (tables 5.2-5.17), against the reference and with unequal steps"),
         .columns = {"scene", "RMSE / A, reference", "RMSE / A', reference", "RMSE / A, truth",
                     "RMSE / A', truth", "RMSE / A with the desert's normaliser, reference",
                     "steps / that A", "rays / that A"}};
@@ -144,9 +143,8 @@ TextTable ratios_table(const Json& rendering, bool with_thesis) {
 /// Cells relative to the one at decay 0.2 and threshold 0.15.
 std::vector<TextTable> decay_tables(const Json& experiment, bool with_thesis) {
     TextTable cells{.name = "threshold_decay",
-                    .title =
-                        titled("Rays that hit, relative to decay 0.2 and threshold 0.15",
-                               with_thesis, "desert (table 5.1)"),
+                    .title = titled("Rays that hit, relative to decay 0.2 and threshold 0.15",
+                                    with_thesis, "desert (table 5.1)"),
                     .columns = {"scene", "decay"}};
     for (const double threshold : kThresholds) cells.columns.push_back(text_of(threshold));
     TextTable best{.name = "decays",
@@ -190,9 +188,8 @@ std::vector<TextTable> decay_tables(const Json& experiment, bool with_thesis) {
 
 TextTable thresholds_table(const Json& experiment, bool with_thesis) {
     TextTable table{.name = "thresholds",
-                    .title =
-                        titled("Error-aware, decay 0.2, relative to threshold 0.15", with_thesis,
-                               "desert (tables 5.27, 5.28)"),
+                    .title = titled("Error-aware, decay 0.2, relative to threshold 0.15",
+                                    with_thesis, "desert (tables 5.27, 5.28)"),
                     .columns = {"scene", "threshold", "rays that hit", "steps", "RMSE reference",
                                 "RMSE truth", "SSIM reference"}};
     for (const auto& [scene, result] : experiment.items()) {
@@ -237,14 +234,13 @@ TextTable equal_steps_table(const Json& experiment, const std::string& name,
 }
 
 TextTable resolutions_table(const Json& experiment, bool with_thesis) {
-    TextTable table{.name = "resolutions",
-                    .title =
-                        titled("Rays that hit of a view over those of the next smaller one, and "
-                               "RMSE of error-aware over adaptive",
-                               with_thesis,
-                               "desert (tables 5.29, 5.30), whose levels are fixed"),
-                    .columns = {"scene", "levels", "pixels", "error-aware rays / smaller view's",
-                                "adaptive rays / smaller view's", "RMSE reference", "RMSE truth"}};
+    TextTable table{
+        .name = "resolutions",
+        .title = titled("Rays that hit of a view over those of the next smaller one, and "
+                        "RMSE of error-aware over adaptive",
+                        with_thesis, "desert (tables 5.29, 5.30), whose levels are fixed"),
+        .columns = {"scene", "levels", "pixels", "error-aware rays / smaller view's",
+                    "adaptive rays / smaller view's", "RMSE reference", "RMSE truth"}};
     for (const auto& [scene, result] : experiment.items()) {
         for (const char* levels : {"fixed", "pixel"}) {
             std::vector<const Json*> rows;
@@ -287,6 +283,79 @@ TextTable resolutions_table(const Json& experiment, bool with_thesis) {
         }
     }
     return table;
+}
+
+TextTable times_table(const Json& experiment, bool with_thesis) {
+    TextTable table{
+        .name = "times_of_day",
+        .title = titled("Error-aware over adaptive under four positions of the sun", with_thesis,
+                        "figures (tables 5.18-5.26; its positions are others)"),
+        .columns = {"scene", "time", "sun's elevation", "mean luminance",
+                    "adaptive rays / those in error-aware", "steps / A as in albedo",
+                    "RMSE / that A, reference", "RMSE / A at equal steps, reference",
+                    "RMSE / A at equal steps, truth", "RMSE / A' at equal steps, truth"}};
+    for (const auto& [scene, result] : experiment.items()) {
+        const ThesisArea* area = thesis_area(scene);
+        for (const Json& row : result["rows"]) {
+            const auto t = row["time"].get<size_t>();
+            const Json& ea = row["error_aware"];
+            const Json& fixed = row["adaptive_of_albedo"];
+            std::optional<double> rays;
+            std::optional<double> steps;
+            std::optional<double> rmse;
+            if (area != nullptr) {
+                const ThesisTimeOfDay& time = area->times[t];
+                rays = ratio(time.adaptive_rays, time.error_aware_rays);
+                steps = ratio(time.error_aware_steps, time.adaptive_steps);
+                rmse = time.error_aware_rmse / time.adaptive_rmse;
+            }
+            const auto over = [&](const char* other, const char* against) {
+                return decimals(rmse_of(ea, against) / rmse_of(row[other], against), 3);
+            };
+            table.rows.push_back(
+                {scene, std::to_string(t), decimals(row["elevation_deg"].get<double>(), 0) + "°",
+                 decimals(row["luminance"].get<double>(), 4),
+                 beside(decimals(hit_rays_of(fixed) / hit_rays_of(ea), 3), with_thesis, rays, 3),
+                 beside(decimals(steps_of(ea) / steps_of(fixed), 3), with_thesis, steps, 3),
+                 beside(over("adaptive_of_albedo", "reference"), with_thesis, rmse, 3),
+                 over("adaptive", "reference"), over("adaptive", "truth"),
+                 over("adaptive_black", "truth")});
+        }
+    }
+    return table;
+}
+
+std::vector<TextTable> beam_tables(const Json& experiment) {
+    TextTable modes{.name = "beam",
+                    .title =
+                        "Light on the floor over that of leaf rays (3.4-3.6); the grating "
+                        "stands at z = 287",
+                    .columns = {"level of detail", "light kept", "lit until z", "steps per ray",
+                                "errors looked up per ray"}};
+    TextTable profile{.name = "beam_profile",
+                      .title = "Light by distance, over that of leaf rays",
+                      .columns = {"z"}};
+    for (const auto& [scene, result] : experiment.items()) {
+        for (const Json& mode : result["modes"]) {
+            modes.rows.push_back({mode["mode"].get<std::string>(),
+                                  decimals(mode["kept"].get<double>(), 4),
+                                  std::to_string(mode["lit_until_z"].get<int>()),
+                                  decimals(mode["steps_per_ray"].get<double>(), 2),
+                                  decimals(mode["errors_per_ray"].get<double>(), 2)});
+            profile.columns.push_back(mode["mode"].get<std::string>());
+        }
+        for (const Json& line : result["profile"]) {
+            if (line["z"].get<int>() % 50 != 0) continue;
+            std::vector<std::string> cells = {std::to_string(line["z"].get<int>())};
+            for (const Json& mode : result["modes"]) {
+                const auto leaf = line["leaf"].get<double>();
+                const auto light = line[mode["mode"].get<std::string>()].get<double>();
+                cells.push_back(leaf > 0.0 ? decimals(light / leaf, 3) : "–");
+            }
+            profile.rows.push_back(std::move(cells));
+        }
+    }
+    return {modes, profile};
 }
 
 TextTable thin_table(const Json& experiment) {
@@ -376,6 +445,18 @@ std::vector<ReportSection> report_sections(const Json& results, bool with_thesis
                             "With fixed levels of detail (2, 1, 0) as in the thesis, and with the "
                             "levels of the pixels.\n\n",
                             {resolutions_table(results["resolutions"], with_thesis)}});
+    }
+    if (has("times_of_day")) {
+        sections.push_back({"Times of day",
+                            "Sun and self-shadowing alone; one shadow ray per face. \"A as in "
+                            "albedo\" keeps the normaliser that albedo has at equal steps.\n\n",
+                            {times_table(results["times_of_day"], with_thesis)}});
+    }
+    if (has("beam")) {
+        sections.push_back({"Cornell beam",
+                            "Shadow rays from the floor to the light behind the grating; level 1, "
+                            "2, 3 from 64, 128, 256 voxels on.\n\n",
+                            beam_tables(results["beam"])});
     }
     if (has("thin")) {
         sections.push_back({"Slackline and torch", "", {thin_table(results["thin"])}});

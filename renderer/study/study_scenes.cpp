@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "io/json.h"
+#include "scene/generators/cornell.h"
 
 namespace probebake::study {
 namespace {
@@ -68,6 +69,8 @@ std::vector<StudyScene> study_scenes(int size,
         scenes.push_back(generated(name, SceneKind::kStructure, size));
     }
     scenes.push_back(generated("torch", SceneKind::kQuestion, size));
+    // Its box and its beam are the same at every size.
+    scenes.push_back(generated("cornell", SceneKind::kQuestion, cornell::kMinWorld));
     return scenes;
 }
 

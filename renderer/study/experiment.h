@@ -79,4 +79,7 @@ inline constexpr std::array<double, 8> kDecays = {0.05, 0.1, 0.15, 0.2, 0.25, 0.
 /// Costs at which renderers are compared, in steps of one ray per pixel at its level of detail.
 inline constexpr std::array<double, 7> kBudgets = {1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 12.0};
 
+/// What the thesis's settings cost it, rounded: 1.9 to 2.5 rays per pixel that hits (5.2-5.14).
+inline constexpr double kThesisBudget = 2.0;
+
 }  // namespace probebake::study

@@ -5,7 +5,7 @@
 
 #include "io/file.h"
 #include "study/experiment.h"
-#include "study/report_tables.h"
+#include "study/report_comparisons.h"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX has no header for it
 

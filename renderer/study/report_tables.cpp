@@ -1,44 +1,11 @@
 #include "study/report_tables.h"
 
-#include <cmath>
-#include <stdexcept>
-
 #include "error/node_error.h"
 #include "study/experiment.h"
-#include "study/thesis_tables.h"
+#include "study/report_comparisons.h"
 
 namespace probebake::study {
 namespace {
-
-const ThesisArea* thesis_area(const std::string& scene) {
-    for (const ThesisArea& area : thesis_areas()) {
-        if (scene == area.name) return &area;
-    }
-    return nullptr;
-}
-
-double ratio(uint64_t a, uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); }
-
-std::optional<double> number_or_none(const Json& value) {
-    return value.is_null() ? std::nullopt : std::optional<double>(value.get<double>());
-}
-
-std::string text_of(double x) {
-    std::string text = decimals(x, 3);
-    while (text.back() == '0') text.pop_back();
-    if (text.back() == '.') text.pop_back();
-    return text;
-}
-
-/// Beside a figure of ours the thesis's, in brackets.
-std::string beside(const std::string& ours, bool with_thesis, std::optional<double> thesis,
-                   int count) {
-    return with_thesis && thesis ? ours + " (" + decimals(*thesis, count) + ")" : ours;
-}
-
-std::string titled(const std::string& title, bool with_thesis, const std::string& thesis) {
-    return with_thesis ? title + "; in brackets the thesis's " + thesis : title;
-}
 
 TextTable scenes_table(const Json& rendering, bool with_thesis) {
     TextTable table{.name = "scenes",
@@ -215,24 +182,6 @@ TextTable thresholds_table(const Json& experiment, bool with_thesis) {
     return table;
 }
 
-TextTable equal_steps_table(const Json& experiment, const std::string& name,
-                            const std::string& title, const char* against) {
-    TextTable table{.name = name, .title = title, .columns = {"scene", "over"}};
-    for (const double budget : kBudgets) table.columns.push_back(text_of(budget) + "×");
-    for (const auto& [scene, result] : experiment.items()) {
-        for (const auto& [key, label] :
-             {std::pair{"adaptive", "A"}, std::pair{"adaptive_black", "A'"}}) {
-            std::vector<std::string> cells = {scene, label};
-            for (const Json& row : result["rows"]) {
-                cells.push_back(
-                    decimals(rmse_of(row["error_aware"], against) / rmse_of(row[key], against), 3));
-            }
-            table.rows.push_back(std::move(cells));
-        }
-    }
-    return table;
-}
-
 TextTable resolutions_table(const Json& experiment, bool with_thesis) {
     TextTable table{
         .name = "resolutions",
@@ -285,121 +234,29 @@ TextTable resolutions_table(const Json& experiment, bool with_thesis) {
     return table;
 }
 
-TextTable times_table(const Json& experiment, bool with_thesis) {
-    TextTable table{
-        .name = "times_of_day",
-        .title = titled("Error-aware over adaptive under four positions of the sun", with_thesis,
-                        "figures (tables 5.18-5.26; its positions are others)"),
-        .columns = {"scene", "time", "sun's elevation", "mean luminance",
-                    "adaptive rays / those in error-aware", "steps / A as in albedo",
-                    "RMSE / that A, reference", "RMSE / A at equal steps, reference",
-                    "RMSE / A at equal steps, truth", "RMSE / A' at equal steps, truth"}};
-    for (const auto& [scene, result] : experiment.items()) {
-        const ThesisArea* area = thesis_area(scene);
-        for (const Json& row : result["rows"]) {
-            const auto t = row["time"].get<size_t>();
-            const Json& ea = row["error_aware"];
-            const Json& fixed = row["adaptive_of_albedo"];
-            std::optional<double> rays;
-            std::optional<double> steps;
-            std::optional<double> rmse;
-            if (area != nullptr) {
-                const ThesisTimeOfDay& time = area->times[t];
-                rays = ratio(time.adaptive_rays, time.error_aware_rays);
-                steps = ratio(time.error_aware_steps, time.adaptive_steps);
-                rmse = time.error_aware_rmse / time.adaptive_rmse;
-            }
-            const auto over = [&](const char* other, const char* against) {
-                return decimals(rmse_of(ea, against) / rmse_of(row[other], against), 3);
-            };
-            table.rows.push_back(
-                {scene, std::to_string(t), decimals(row["elevation_deg"].get<double>(), 0) + "°",
-                 decimals(row["luminance"].get<double>(), 4),
-                 beside(decimals(hit_rays_of(fixed) / hit_rays_of(ea), 3), with_thesis, rays, 3),
-                 beside(decimals(steps_of(ea) / steps_of(fixed), 3), with_thesis, steps, 3),
-                 beside(over("adaptive_of_albedo", "reference"), with_thesis, rmse, 3),
-                 over("adaptive", "reference"), over("adaptive", "truth"),
-                 over("adaptive_black", "truth")});
-        }
-    }
-    return table;
-}
-
-std::vector<TextTable> beam_tables(const Json& experiment) {
-    TextTable modes{.name = "beam",
-                    .title =
-                        "Light on the floor over that of leaf rays (3.4-3.6); the grating "
-                        "stands at z = 287",
-                    .columns = {"level of detail", "light kept", "lit until z", "steps per ray",
-                                "errors looked up per ray"}};
-    TextTable profile{.name = "beam_profile",
-                      .title = "Light by distance, over that of leaf rays",
-                      .columns = {"z"}};
-    for (const auto& [scene, result] : experiment.items()) {
-        for (const Json& mode : result["modes"]) {
-            modes.rows.push_back({mode["mode"].get<std::string>(),
-                                  decimals(mode["kept"].get<double>(), 4),
-                                  std::to_string(mode["lit_until_z"].get<int>()),
-                                  decimals(mode["steps_per_ray"].get<double>(), 2),
-                                  decimals(mode["errors_per_ray"].get<double>(), 2)});
-            profile.columns.push_back(mode["mode"].get<std::string>());
-        }
-        for (const Json& line : result["profile"]) {
-            if (line["z"].get<int>() % 50 != 0) continue;
-            std::vector<std::string> cells = {std::to_string(line["z"].get<int>())};
-            for (const Json& mode : result["modes"]) {
-                const auto leaf = line["leaf"].get<double>();
-                const auto light = line[mode["mode"].get<std::string>()].get<double>();
-                cells.push_back(leaf > 0.0 ? decimals(light / leaf, 3) : "–");
-            }
-            profile.rows.push_back(std::move(cells));
-        }
-    }
-    return {modes, profile};
-}
-
-TextTable thin_table(const Json& experiment) {
-    TextTable table{
-        .name = "thin",
-        .title =
-            "Light of the torch and breadth of the line over the truth's; in brackets the "
-            "share of shifted pictures that show any of it, and rays per pixel",
-        .columns = {"scene", "voxels per pixel", "reference", "LOD", "error-aware",
-                    "error-aware, decay 1"}};
-    for (const auto& [scene, result] : experiment.items()) {
-        for (const Json& row : result["rows"]) {
-            std::vector<std::string> cells = {scene,
-                                              text_of(row["footprint_voxels"].get<double>())};
-            for (const char* renderer :
-                 {"reference", "lod", "error_aware", "error_aware_decay_1"}) {
-                const Json& r = row[renderer];
-                cells.push_back(decimals(r["kept"].get<double>(), 3) + " (" +
-                                decimals(100.0 * r["seen"].get<double>(), 0) + " %, " +
-                                decimals(r["rays_per_pixel"].get<double>(), 1) + ")");
-            }
-            table.rows.push_back(std::move(cells));
-        }
-    }
-    return table;
-}
-
 }  // namespace
-
-const Json& renderer_row(const Json& renderers, const std::string& renderer) {
-    for (const Json& row : renderers) {
-        if (row.at("renderer") == renderer) return row;
-    }
-    throw std::invalid_argument("a result without " + renderer);
-}
 
 std::vector<ReportSection> report_sections(const Json& results, bool with_thesis) {
     std::vector<ReportSection> sections;
     const auto has = [&](const char* experiment) { return results.contains(experiment); };
+    if (has("equal_steps")) {
+        sections.push_back(
+            {"At the thesis's cost",
+             "The thesis's settings cost it about two rays per pixel; here they refine most pixels "
+             "to the leaves (next section). These are the figures at twice the steps of one ray "
+             "per "
+             "pixel, with a threshold found for each scene. A leaves missed pixels out of its "
+             "kernel, A' takes them as black; both have the error-aware renderer's steps.\n\n",
+             {thesis_cost_ratios_table(results["equal_steps"], with_thesis),
+              thesis_cost_table(results["equal_steps"])}});
+    }
     if (has("rendering")) {
         const Json& rendering = results["rendering"];
         sections.push_back(
-            {"Ray and step counts, classes, quality",
-             "The study view in albedo. `adaptive` (A) leaves missed pixels out of its kernel as "
+            {"At the thesis's settings",
+             "The study view in albedo, decay 0.2, threshold 0.154. Where this refines nearly all "
+             "pixels, adaptive with the same steps is the reference itself, and ratios against "
+             "the reference say nothing. `adaptive` (A) leaves missed pixels out of its kernel as "
              "the "
              "thesis does, `adaptive_black` (A') takes them as black; both have the normaliser "
              "with which they take the error-aware renderer's steps on that scene. "
@@ -423,7 +280,8 @@ std::vector<ReportSection> report_sections(const Json& results, bool with_thesis
             {"Error-aware against adaptive at equal steps",
              "RMSE of error-aware rendering over that of adaptive rendering; below 1 error-aware "
              "wins. Costs are in steps of one ray per pixel at its level of detail.\n\n",
-             {equal_steps_table(equal, "equal_steps_truth", "Study view, against the truth",
+             {budget_thresholds_table(equal),
+              equal_steps_table(equal, "equal_steps_truth", "Study view, against the truth",
                                 "truth"),
               equal_steps_table(equal, "equal_steps_reference",
                                 "Study view, against the 4 × 4 reference", "reference")}});

@@ -18,13 +18,4 @@ struct ReportSection {
 /// `with_thesis`: the run is as large as the thesis's, whose figures stand beside.
 std::vector<ReportSection> report_sections(const Json& results, bool with_thesis);
 
-/// The row of `renderer` in a list of them.
-const Json& renderer_row(const Json& renderers, const std::string& renderer);
-/// A figure of a row, "reference" or "truth".
-inline double rmse_of(const Json& row, const char* against) {
-    return row.at(against).at("rmse").get<double>();
-}
-inline double steps_of(const Json& row) { return row.at("steps").get<double>(); }
-inline double hit_rays_of(const Json& row) { return row.at("hit_rays").get<double>(); }
-
 }  // namespace probebake::study

@@ -1,6 +1,7 @@
 // The terrains under four positions of the sun (thesis, 5.3): sun and self-shadowing alone, as its
 // data have it, so that shadows are black. Error-aware rays do not depend on light; the adaptive
-// renderer is shown with the settings it has in albedo, as in the thesis, and at equal steps.
+// renderer is shown with the settings it has in albedo, as in the thesis, and at equal steps. The
+// cost is that of the thesis, kThesisBudget.
 #include <cmath>
 #include <numbers>
 
@@ -38,7 +39,7 @@ double mean_luminance(const Image& image) {
 }  // namespace
 
 Json times_of_day_params() {
-    Json params = Json::array();
+    Json params = {kThesisBudget};
     for (const TimeOfDay& time : kTimes) {
         params.push_back({time.elevation_deg, time.azimuth_deg});
     }
@@ -47,10 +48,13 @@ Json times_of_day_params() {
 
 Json run_times_of_day(const ExperimentInput& input) {
     const Scene& scene = input.work.scene();
-    const auto error_aware = [](const PixelRecord& pixel) {
-        return error_aware_outcome(pixel, kThesisThreshold, kThesisDecay);
-    };
     const RecordSet& albedo = input.work.nadir();
+    const auto budget =
+        static_cast<uint64_t>(kThesisBudget * static_cast<double>(albedo.count(lod_outcome).steps));
+    const double threshold = albedo.threshold_for_steps(budget, kThesisDecay);
+    const auto error_aware = [threshold](const PixelRecord& pixel) {
+        return error_aware_outcome(pixel, threshold, kThesisDecay);
+    };
     const double albedo_normaliser =
         albedo.normaliser_for_steps(albedo.count(error_aware).steps, MissesInKernel::kLeftOut);
     const CancelToken cancel;

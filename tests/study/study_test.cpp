@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "io/file.h"
-#include "study/report_tables.h"
+#include "study/report_cells.h"
 #include "study/result_store.h"
 #include "study/study_scenes.h"
 

@@ -28,7 +28,10 @@ void check(const StudyParams& params) {
         for (const std::string& name : asked) {
             if (std::find(known.begin(), known.end(), name) != known.end()) continue;
             std::string list;
-            for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+            for (const std::string& k : known) {
+                list += list.empty() ? "" : ", ";
+                list += k;
+            }
             throw std::invalid_argument("there is no " + std::string(what) + " " + name +
                                         "; expected one of " + list);
         }
@@ -54,7 +57,9 @@ class StudyRun {
 
     StudyOutcome run() {
         plan();
-        if (needs_normalisers()) find_normalisers();
+        if (asked_for(params_.experiments, "rendering")) {
+            find_normalisers(params_.scenes.empty());
+        }
         for (const StudyScene& scene : scenes_) {
             if (!asked_for(params_.scenes, scene.name)) continue;
             if (scene.missing) {
@@ -79,9 +84,6 @@ class StudyRun {
     bool runs(const Experiment& experiment, const StudyScene& scene) const {
         return asked_for(params_.experiments, experiment.name) && experiment.applies(scene);
     }
-    bool needs_normalisers() const {
-        return asked_for(params_.experiments, "rendering") && params_.scenes.empty();
-    }
     void progress(const std::string& what) {
         on_progress_({what, outcome_.computed + outcome_.found, total_});
     }
@@ -96,15 +98,17 @@ class StudyRun {
                 {"params", params}};
     }
 
-    /// The terrains' common normalisers; only where all scenes are asked for, so that a part of
-    /// the study does not load them all.
-    void find_normalisers() {
+    /// The terrains' common normalisers. Where only some scenes are asked for they are taken from
+    /// an earlier run, or left out: a part of the study does not load all terrains.
+    void find_normalisers(bool compute) {
+        GlobalNormalisers found;
         double largest = 0.0;
         for (const StudyScene& scene : scenes_) {
             if (scene.kind != SceneKind::kTerrain) continue;
             const Json key = key_of(kNormaliser, scene, Json::object());
             const std::string name = std::string(kNormaliser) + "-" + scene.name;
             std::optional<Json> result = store_.find(name, key);
+            if (!result && !compute) return;
             if (!result) {
                 progress("normaliser, " + scene.name);
                 SceneWork work(scene, params_.size, params_.cache_folder);
@@ -112,9 +116,10 @@ class StudyRun {
                 store_.put(name, key, *result);
             }
             largest = std::max(largest, result->at("largest_variation").get<double>());
-            if (!normalisers_.desert) normalisers_.desert = result->at("solved").get<double>();
+            if (!found.desert) found.desert = result->at("solved").get<double>();
         }
-        normalisers_.largest = largest;
+        found.largest = largest;
+        normalisers_ = found;
     }
 
     void run_scene(const StudyScene& scene) {

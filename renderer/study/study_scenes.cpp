@@ -28,7 +28,7 @@ StudyScene real(const std::string& name) {
 /// The path of a data file, which `scene` is missing without.
 std::filesystem::path need(StudyScene& scene, const std::optional<std::filesystem::path>& folder,
                            const std::string& file) {
-    const std::filesystem::path path = folder ? *folder / file : std::filesystem::path(file);
+    std::filesystem::path path = folder ? *folder / file : std::filesystem::path(file);
     std::error_code error;
     if (!folder || !std::filesystem::is_regular_file(path, error)) scene.missing = file;
     return path;

@@ -86,10 +86,19 @@ Json run_rendering(const ExperimentInput& input) {
     };
     const double brightest = exposure_of(set.truth()[0].pixels());
     save("view", set.image(0, reference_outcome), {.exposure = brightest, .shoulder = true});
-    save("error-aware-rays", ray_map(set.views()[0], thesis_outcome), {});
-    const double normaliser =
-        set.normaliser_for_steps(set.count(thesis_outcome).steps, MissesInKernel::kLeftOut);
-    save("adaptive-rays", ray_map(set.views()[0], adaptive(normaliser, MissesInKernel::kLeftOut)),
+    // The maps at the thesis's cost: at its settings they are nearly white.
+    const auto steps =
+        static_cast<uint64_t>(kThesisBudget * static_cast<double>(set.count(lod_outcome).steps));
+    const double threshold = set.threshold_for_steps(steps, kThesisDecay);
+    save("error-aware-rays",
+         ray_map(set.views()[0],
+                 [&](const PixelRecord& pixel) {
+                     return error_aware_outcome(pixel, threshold, kThesisDecay);
+                 }),
+         {});
+    save("adaptive-rays",
+         ray_map(set.views()[0], adaptive(set.normaliser_for_steps(steps, MissesInKernel::kLeftOut),
+                                          MissesInKernel::kLeftOut)),
          {});
     return result;
 }

@@ -35,7 +35,8 @@ std::string pictures_part(const Json& results) {
     if (!results.contains("rendering")) return "";
     std::string text =
         "## Pictures\n\nThe study view; rays per pixel of error-aware and of adaptive rendering "
-        "with the same steps, from 1 (black) to 21 (white) on a logarithmic scale.\n\n";
+        "at twice the steps of one ray per pixel, from 1 (black) to 21 (white) on a logarithmic "
+        "scale.\n\n";
     for (const auto& [scene, result] : results["rendering"].items()) {
         text += scene + ": ";
         for (const Json& picture : result["pictures"]) {

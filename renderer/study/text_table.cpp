@@ -1,5 +1,6 @@
 #include "study/text_table.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace probebake::study {
@@ -38,6 +39,7 @@ std::string TextTable::csv() const {
 }
 
 std::string decimals(double x, int count) {
+    if (std::isinf(x)) return "∞";  // over an image without error
     char text[64];
     std::snprintf(text, sizeof(text), "%.*f", count, x);
     return text;

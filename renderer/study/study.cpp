@@ -27,13 +27,13 @@ void check(const StudyParams& params) {
                                 const std::vector<std::string>& known, const char* what) {
         for (const std::string& name : asked) {
             if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-            std::string list;
+            std::string message = std::string("there is no ") + what + " " + name;
+            const char* separator = "; expected one of ";
             for (const std::string& k : known) {
-                list += list.empty() ? "" : ", ";
-                list += k;
+                message.append(separator).append(k);
+                separator = ", ";
             }
-            throw std::invalid_argument("there is no " + std::string(what) + " " + name +
-                                        "; expected one of " + list);
+            throw std::invalid_argument(message);
         }
     };
     check_names(params.scenes, scene_names(), "scene");

@@ -78,6 +78,11 @@ std::array<uint8_t, 3> tone_mapped(const Rgb& color, const ToneCurve& tone) {
             tone_mapped_channel(static_cast<double>(color.b), tone)};
 }
 
+std::vector<std::byte> encode_image_png(const Image& image, const ToneCurve& tone) {
+    return encode_png(image.width(), image.height(), tone,
+                      [&](int x, int y) { return image.at(x, y); });
+}
+
 std::vector<std::byte> encode_cross_png(const Cubemap& cubemap, const ToneCurve& tone) {
     const int n = cubemap.face_size();
     return encode_png(4 * n, 3 * n, tone, [&](int x, int y) {

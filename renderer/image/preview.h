@@ -32,6 +32,7 @@ std::array<uint8_t, 3> tone_mapped(const Rgb& color, const ToneCurve& tone);
 
 /// PNG files. Throws std::invalid_argument where a side would be empty or exceed 16384 pixels or
 /// the exposure is not positive.
+std::vector<std::byte> encode_image_png(const Image& image, const ToneCurve& tone);
 std::vector<std::byte> encode_cross_png(const Cubemap& cubemap, const ToneCurve& tone);
 std::vector<std::byte> encode_panorama_png(const Cubemap& cubemap, int height_px,
                                            const ToneCurve& tone);

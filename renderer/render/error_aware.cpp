@@ -91,6 +91,7 @@ class RaysRecorder {
         rays_.square += color * color;
         rays_.steps += hit.steps;
         ++rays_.rays;
+        rays_.hits += hit ? 1 : 0;
     }
     RefinementRecord::Rays means() const {
         RefinementRecord::Rays means = rays_;

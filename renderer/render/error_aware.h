@@ -44,6 +44,7 @@ struct RefinementRecord {
         Vec3 square{0.0};  // mean of the squared colours
         uint32_t steps = 0;
         uint32_t rays = 0;
+        uint32_t hits = 0;  // of these
     };
     struct Quadrant {
         Rays coarse;

@@ -8,6 +8,7 @@
 #include "io/file.h"
 #include "io/json.h"
 #include "io/sha256.h"
+#include "scene/heightmap/heightmap_import.h"
 #include "scene/vox/vox_import.h"
 #include "voxels/tree_file.h"
 
@@ -33,6 +34,35 @@ GeneratorParams read_generator(ObjectReader& reader) {
     return params;
 }
 
+std::string read_file_name(ObjectReader& reader, std::string_view key) {
+    std::string name = reader.string(key, 64, std::nullopt);
+    if (!is_file_name(name)) {
+        reader.issues().unacceptable(reader.pointer_to(key),
+                                     "expected the name of a file in the scene's own folder");
+    }
+    return name;
+}
+
+HeightmapFiles read_heightmap(ObjectReader& reader, const std::filesystem::path& folder) {
+    HeightmapFiles files;
+    files.heights = folder / read_file_name(reader, "file");
+    if (reader.has("color_file")) files.colors = folder / read_file_name(reader, "color_file");
+    files.height_scale_m = reader.number("height_scale_m", {1e-6, 1e3}, std::nullopt);
+    return files;
+}
+
+VoxelCloud import_heightmap_files(const HeightmapFiles& files, double voxel_size_m) {
+    const std::string name = files.heights.filename().string();
+    const GreyPicture heights = read_grey_png(read_file(files.heights), name);
+    std::optional<ColorPicture> colors;
+    if (files.colors) {
+        colors = read_color_picture(read_file(*files.colors), files.colors->filename().string());
+    }
+    return import_heightmap(heights, colors,
+                            {.height_scale_m = files.height_scale_m, .voxel_size_m = voxel_size_m},
+                            name);
+}
+
 /// The voxels of a scene file, as a tree, and what else the cache must give back.
 struct World {
     VoxelTree tree;
@@ -46,6 +76,8 @@ World make_world(const SceneFile& file, SceneLoadStats& stats) {
     VoxelCloud cloud;
     if (file.generator) {
         cloud = generate(*file.generator);
+    } else if (file.heightmap) {
+        cloud = import_heightmap_files(*file.heightmap, file.voxel_size_m);
     } else {
         VoxImport import = import_vox(read_file(*file.vox), file.vox->filename().string());
         cloud = std::move(import.cloud);
@@ -104,7 +136,7 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
     const Json document = parse_json(file.text);
     JsonIssues issues;
     ObjectReader reader(document, "", issues);
-    constexpr std::string_view kTypes[] = {"generator", "vox"};
+    constexpr std::string_view kTypes[] = {"generator", "vox", "heightmap"};
     const size_t type = reader.choice("type", kTypes, std::nullopt);
     file.description = reader.string("description", 1000, "");
     file.author = reader.string("author", 200, "");
@@ -120,12 +152,11 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
         }
     } else {
         file.voxel_size_m = reader.number("voxel_size_m", {1e-6, 1e3}, std::nullopt);
-        const std::string name = reader.string("file", 64, std::nullopt);
-        if (!is_file_name(name)) {
-            issues.unacceptable(reader.pointer_to("file"),
-                                "expected the name of a file in the scene's own folder");
+        if (type == 1) {
+            file.vox = path.parent_path() / read_file_name(reader, "file");
+        } else {
+            file.heightmap = read_heightmap(reader, path.parent_path());
         }
-        file.vox = path.parent_path() / name;
     }
     reader.refuse_unknown();
     issues.throw_if_any();
@@ -137,6 +168,10 @@ std::string content_sha256(const SceneFile& file) {
     sha.update(kImportVersion);
     sha.update(file.text);
     if (file.vox) sha.update(read_file(*file.vox));
+    if (file.heightmap) {
+        sha.update(read_file(file.heightmap->heights));
+        if (file.heightmap->colors) sha.update(read_file(*file.heightmap->colors));
+    }
     return sha.hex();
 }
 

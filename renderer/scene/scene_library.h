@@ -2,10 +2,12 @@
 //
 // A scene file NAME.json holds one object:
 //
-//   type          "generator" or "vox"
+//   type          "generator", "vox" or "heightmap"
 //   generator     a name of generators(); size (voxels per side), seed
 //   vox           file: a .vox file in the same folder; voxel_size_m (required, > 0)
-//   both          origin_m: where the world's own origin lies, default [0, 0, 0]
+//   heightmap     file: a 16-bit grey PNG in the same folder; color_file: a PNG or JPEG there, of
+//                 the same size; height_scale_m per count and voxel_size_m (both required, > 0)
+//   all           origin_m: where the world's own origin lies, default [0, 0, 0]
 //                 author, licence, description: texts, optional
 //
 // Names of scenes and files match [a-z0-9][a-z0-9._-]{0,63} (files also upper case); nothing a
@@ -23,6 +25,13 @@
 
 namespace probebake {
 
+/// The files of a heightmap scene.
+struct HeightmapFiles {
+    std::filesystem::path heights;
+    std::optional<std::filesystem::path> colors;
+    double height_scale_m = 1.0;  // per count
+};
+
 /// A scene file, read and checked but not loaded.
 struct SceneFile {
     std::string name;
@@ -34,6 +43,7 @@ struct SceneFile {
     /// Exactly one of these.
     std::optional<GeneratorParams> generator;
     std::optional<std::filesystem::path> vox;
+    std::optional<HeightmapFiles> heightmap;
     /// Where the files lie that it names, and pictures of skies.
     std::filesystem::path folder;
     /// Content of the scene file, for the hash.

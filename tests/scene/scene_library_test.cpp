@@ -125,7 +125,7 @@ TEST_F(SceneLibraryTest, SaysWhatIsWrongWithASceneFile) {
     EXPECT_EQ(problem_of(kSphere), "none");
     const std::pair<const char*, const char*> cases[] = {
         {"{", "(document): not JSON"},
-        {R"({"type": "mesh"})", "/type: expected one of \"generator\", \"vox\""},
+        {R"({"type": "mesh"})", "/type: expected one of \"generator\", \"vox\", \"heightmap\""},
         {R"({"type": "vox", "file": "a.vox"})", "/voxel_size_m: is required"},
         {R"({"type": "vox", "file": "a.vox", "voxel_size_m": 0})", "/voxel_size_m: is 0"},
         {R"({"type": "vox", "file": "../a.vox", "voxel_size_m": 1})", "/file: expected the name"},

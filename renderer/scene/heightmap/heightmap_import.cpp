@@ -1,0 +1,104 @@
+#include "scene/heightmap/heightmap_import.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/io_error.h"
+
+namespace probebake {
+namespace {
+
+float linear_of(uint8_t srgb) {
+    const double x = srgb / 255.0;
+    return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+}
+
+/// Heights in voxels, at least 1.
+class Columns {
+  public:
+    Columns(const GreyPicture& heights, const HeightmapParams& params, const std::string& file)
+        : width_(heights.width_px), depth_(heights.height_px), tops_(heights.values.size()) {
+        const double voxels_per_count = params.height_scale_m / params.voxel_size_m;
+        const auto highest = std::max_element(heights.values.begin(), heights.values.end());
+        const double most = std::round(*highest * voxels_per_count);
+        constexpr double kMost = 1 << kMaxHeightLog2;
+        if (!(most <= kMost)) {
+            throw IoError(file, "its highest column would have " + std::to_string(most) +
+                                    " voxels, expected at most " + std::to_string(kMost));
+        }
+        for (size_t i = 0; i < tops_.size(); ++i) {
+            const auto rounded =
+                static_cast<int>(std::lround(heights.values[i] * voxels_per_count));
+            tops_[i] = std::max(1, rounded);
+        }
+    }
+
+    int top(int x, int z) const {
+        return tops_[static_cast<size_t>(z) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
+    }
+    /// Number of voxels of a column that are made, counted from its top.
+    int shell(int x, int z) const {
+        const int own = top(x, z);
+        int lowest = own;
+        if (x > 0) lowest = std::min(lowest, top(x - 1, z));
+        if (x + 1 < width_) lowest = std::min(lowest, top(x + 1, z));
+        if (z > 0) lowest = std::min(lowest, top(x, z - 1));
+        if (z + 1 < depth_) lowest = std::min(lowest, top(x, z + 1));
+        return own - lowest + 1;
+    }
+    int highest() const { return *std::max_element(tops_.begin(), tops_.end()); }
+
+  private:
+    static constexpr int kMaxHeightLog2 = 16;
+
+    int width_;
+    int depth_;
+    std::vector<int> tops_;
+};
+
+}  // namespace
+
+VoxelCloud import_heightmap(const GreyPicture& heights, const std::optional<ColorPicture>& colors,
+                            const HeightmapParams& params, const std::string& file_name) {
+    const int width = heights.width_px;
+    const int depth = heights.height_px;
+    if (colors && (colors->width_px != width || colors->height_px != depth)) {
+        throw IoError(file_name, "is " + std::to_string(width) + " x " + std::to_string(depth) +
+                                     " pixels, its colours are " +
+                                     std::to_string(colors->width_px) + " x " +
+                                     std::to_string(colors->height_px) + ", expected the same");
+    }
+    const Columns columns(heights, params, file_name);
+    uint64_t count = 0;
+    for (int z = 0; z < depth; ++z) {
+        for (int x = 0; x < width; ++x) count += static_cast<uint64_t>(columns.shell(x, z));
+    }
+    if (count > params.max_voxels) {
+        throw IoError(file_name, "would become " + std::to_string(count) +
+                                     " voxels, expected at most " +
+                                     std::to_string(params.max_voxels));
+    }
+    std::array<float, 256> linear{};
+    for (size_t i = 0; i < linear.size(); ++i) linear[i] = linear_of(static_cast<uint8_t>(i));
+
+    VoxelCloud cloud;
+    cloud.depth = depth_for_extent({width, columns.highest(), depth});
+    cloud.voxels.reserve(count);
+    for (int z = 0; z < depth; ++z) {
+        for (int x = 0; x < width; ++x) {
+            PackedRgb albedo = pack_rgb(kBareHeightmapAlbedo);
+            if (colors) {
+                const auto& c = colors->values[static_cast<size_t>(z) * static_cast<size_t>(width) +
+                                               static_cast<size_t>(x)];
+                albedo = pack_rgb({linear[c[0]], linear[c[1]], linear[c[2]]});
+            }
+            const int top = columns.top(x, z);
+            for (int i = 0; i < columns.shell(x, z); ++i) {
+                cloud.voxels.push_back(make_voxel({x, top - 1 - i, z}, albedo));
+            }
+        }
+    }
+    return cloud;
+}
+
+}  // namespace probebake

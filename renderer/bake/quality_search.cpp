@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kWindowPixels = size_t{kSsimWindow_px} * kSsimWindow_px;
 constexpr int kThresholds = 12;
 constexpr int kSpreads = 12;
-constexpr int kPrices = 64;
+constexpr int kPrices = 24;
 
 /// `count` quantiles of the positive values, largest first.
 std::vector<double> quantiles(std::vector<double> values, int count) {

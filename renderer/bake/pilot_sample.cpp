@@ -147,14 +147,15 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
         const auto record = [&](int grid) {
             record_leaves(at.scene, at.view, at.owner.x, at.owner.y, grid, pixel.record, stats);
         };
-        if (first_time && kind == RendererKind::kHybrid) {
-            pixel.hybrid.evidence.contrast = contrast_at(at, stats);
+        if (kind == RendererKind::kHybrid) {
+            if (first_time) pixel.hybrid.pixel.evidence.contrast = contrast_at(at, stats);
+            while (pixel.hybrid.recorded() < kHybridStages &&
+                   stage_grid(pixel.hybrid.recorded()) <= leaf_grid) {
+                record_stage({at.scene, at.view, at.owner.x, at.owner.y}, pixel.hybrid, stats);
+            }
+            return;
         }
-        while (kind == RendererKind::kHybrid && pixel.hybrid.recorded < kHybridStages &&
-               stage_grid(pixel.hybrid.recorded) <= leaf_grid) {
-            record_stage(at.scene, at.view, at.owner.x, at.owner.y, pixel.hybrid, stats);
-        }
-        if (first_time && kind != RendererKind::kHybrid) {
+        if (first_time) {
             pixel.record = record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
         }
         if (kind == RendererKind::kLod) return;
@@ -187,9 +188,10 @@ void for_each_near(const CubePixel& middle, int n, Visit visit) {
 double PilotSample::contrast_at(const Target& at, CostStats& stats) const {
     std::array<Neighbour, 9> block;
     for_each_near(at.owner, at.view.width_px, [&](size_t place, const CubePixel& near) {
-        const HybridStage first = hybrid_stage(at.scene, at.view, near.x, near.y, 0);
+        HybridPixel first;
+        cast_stage({at.scene, at.view, near.x, near.y}, first);
         stats += first.cost;
-        block[place] = {first.sums.mean(), true};
+        block[place] = {first.color(), true};
     });
     return neighbour_contrast(block);
 }
@@ -220,9 +222,9 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
                 case RendererKind::kErrorAware:
                     return error_aware_pixel(at.scene, at.view, x, y, settings, stats);
                 case RendererKind::kHybrid:
-                    return hybrid_pixel(at.scene, at.view, x, y,
-                                        sample_.pixels[at.index].hybrid.evidence.contrast, settings,
-                                        stats);
+                    return hybrid_pixel(
+                        {at.scene, at.view, x, y, settings.hybrid},
+                        sample_.pixels[at.index].hybrid.pixel.evidence.contrast, settings, stats);
                 case RendererKind::kAdaptive:
                     break;
             }

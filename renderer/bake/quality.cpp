@@ -19,9 +19,11 @@ TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
         const Rgb reference = uniform_pixel(scene, view, x, y, 4, stats).mean();
         return {reference, reference};
     }
+    const StartList from = start_list(scene.tree, pixel_beam(view, {x, y, x, y}, 1.0));
+    stats.steps += from.steps;
     RandomStream random(params.key);
-    const Rgb r1 = stratified_pixel(scene, view, x, y, params.grid, random, stats);
-    const Rgb r2 = stratified_pixel(scene, view, x, y, params.grid, random, stats);
+    const Rgb r1 = stratified_pixel(scene, view, x, y, params.grid, from, random, stats);
+    const Rgb r2 = stratified_pixel(scene, view, x, y, params.grid, from, random, stats);
     return {r1, r2};
 }
 

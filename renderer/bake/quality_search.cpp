@@ -165,7 +165,7 @@ std::vector<RenderSettings> error_aware_settings(const SearchSample& sample, int
 std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, int max_leaf_grid) {
     std::vector<double> gains;
     for (const SearchPixel& pixel : sample.pixels) {
-        for (int stage = 0; stage + 1 < pixel.hybrid.recorded; ++stage) {
+        for (int stage = 0; stage + 1 < pixel.hybrid.recorded(); ++stage) {
             gains.push_back(pixel.hybrid.stages[static_cast<size_t>(stage)].gain);
         }
     }

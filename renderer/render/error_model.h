@@ -1,7 +1,8 @@
 // What is predicted of a pixel's squared error by what its rays have shown so far.
 //
-// The hybrid renderer refines in stages (hybrid.h). After each stage the error that is left is predicted as a sum of non-negative terms, each a variance in units of
-// radiance² (mean over R, G, B):
+// The hybrid renderer refines in stages (hybrid.h). After each stage the error that is left is
+// predicted as a sum of non-negative terms, each a variance in units of radiance² (mean over R, G,
+// B):
 //
 //   contrast         mean squared difference to the first rays of the neighbouring pixels
 //   child_variance   of the colours of the shown nodes' children: what their means hide

@@ -57,8 +57,8 @@ Vec2 place_of(const HybridCast& cast, int stage, int index) {
         return Vec2((index % grid + 0.5) / grid - 0.5, (index / grid + 0.5) / grid - 0.5);
     }
     const int before = stage == 2 ? 0 : grid * grid / 4;
-    const uint64_t key = random_key(
-        {kPlaces, static_cast<uint64_t>(cast.x), static_cast<uint64_t>(cast.y)});
+    const uint64_t key =
+        random_key({kPlaces, static_cast<uint64_t>(cast.x), static_cast<uint64_t>(cast.y)});
     return owen_sobol(static_cast<uint32_t>(before + index), key) - Vec2(0.5);
 }
 
@@ -81,8 +81,7 @@ void cast_stage(const HybridCast& cast, HybridPixel& pixel) {
     const StartList* from = cast.switches.start_lists ? cast.from : nullptr;
     StartList own;
     if (cast.switches.start_lists && stage >= kFirstListedStage) {
-        const Beam beam =
-            pixel_beam(cast.view, {cast.x, cast.y, cast.x, cast.y}, footprint_px);
+        const Beam beam = pixel_beam(cast.view, {cast.x, cast.y, cast.x, cast.y}, footprint_px);
         own = from != nullptr ? start_list(scene.tree, beam, *from) : start_list(scene.tree, beam);
         pixel.cost.steps += own.steps;
         from = &own;
@@ -92,8 +91,7 @@ void cast_stage(const HybridCast& cast, HybridPixel& pixel) {
     double passed_contrast = 0.0;
     for (int i = 0; i < rays; ++i) {
         const Vec2 place = place_of(cast, stage, i);
-        const PixelRay ray =
-            pixel_ray(cast.view, cast.x + place.x, cast.y + place.y, footprint_px);
+        const PixelRay ray = pixel_ray(cast.view, cast.x + place.x, cast.y + place.y, footprint_px);
         const LevelOfDetail lod{.cone = ray.cone};
         const auto [leaf, node] = from != nullptr
                                       ? trace_through(scene.tree, *from, ray.ray, lod, scene.range)

@@ -215,8 +215,8 @@ class HybridView {
 
     uint64_t next_rays(const HybridPixel& pixel) const {
         const int grid = stage_grid(pixel.stage + 1);
-        return static_cast<uint64_t>(
-            settings_.hybrid.nested_rays ? stage_rays(pixel.stage + 1) : grid * grid);
+        return static_cast<uint64_t>(settings_.hybrid.nested_rays ? stage_rays(pixel.stage + 1)
+                                                                  : grid * grid);
     }
 
     const RenderScene& scene_;

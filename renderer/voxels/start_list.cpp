@@ -23,8 +23,7 @@ class BeamTest {
         Vec3 middle(0.0);
         for (const Vec3& edge : beam.edges) middle += edge;
         for (size_t i = 0; i < 4; ++i) {
-            const Vec3 normal =
-                glm::normalize(glm::cross(beam.edges[i], beam.edges[(i + 1) % 4]));
+            const Vec3 normal = glm::normalize(glm::cross(beam.edges[i], beam.edges[(i + 1) % 4]));
             inward_[i] = glm::dot(normal, middle) < 0.0 ? -normal : normal;
         }
         inward_[4] = glm::normalize(middle);
@@ -89,7 +88,8 @@ class ListBuilder {
     void add_children(const StartNode& node) {
         const int child_level = node.level - 1;
         const int half = 1 << child_level;
-        const VoxelNode& holder = tree_.nodes()[node.path[static_cast<size_t>((node.level - 1) / 2)]];
+        const VoxelNode& holder =
+            tree_.nodes()[node.path[static_cast<size_t>((node.level - 1) / 2)]];
         const uint32_t octant = node.level % 2 == 0 ? 0 : octant_of(node.corner, node.level);
         const uint32_t children =
             node.level % 2 == 0 ? nonzero_bytes(holder.mask)

@@ -11,6 +11,10 @@ namespace {
 
 constexpr int kTile_px = 8;
 constexpr uint32_t kTruthRays = 256;
+/// Prices are sought between these powers of ten.
+constexpr double kLowestPrice = -20.0;
+constexpr double kHighestPrice = 10.0;
+constexpr int kHalvings = 40;
 constexpr uint64_t kTruthPlaces = 0x74727574'68000000;
 
 /// Pixels of a view before the neighbours' contrast is known.
@@ -75,9 +79,9 @@ class Recorder {
 
     HybridCast cast_at(int x, int y) const {
         const StartList* from =
-            lists_.empty() ? nullptr
-                           : &lists_[static_cast<size_t>(y / kTile_px * tiles_across() +
-                                                         x / kTile_px)];
+            lists_.empty()
+                ? nullptr
+                : &lists_[static_cast<size_t>(y / kTile_px * tiles_across() + x / kTile_px)];
         return {scene_, at_.view, x, y, switches_, from};
     }
 
@@ -191,33 +195,13 @@ HybridOutcome HybridSet::outcome(const Score& score, double price) const {
     return out;
 }
 
-/// Halves the logarithm of the price; `enough(outcome)` holds from some price downwards.
-template <class Enough>
-HybridOutcome HybridSet::search(const Score& score, Enough enough) const {
-    double high = 10.0;    // log10: nothing is refined
-    double low = -30.0;    // everything is
-    HybridOutcome best = outcome(score, -1.0);
-    if (!enough(best)) return best;
-    for (int i = 0; i < 40; ++i) {
-        const double middle = 0.5 * (low + high);
-        const HybridOutcome at = outcome(score, std::pow(10.0, middle));
-        if (enough(at)) {
-            low = middle;
-            best = at;
-        } else {
-            high = middle;
-        }
-    }
-    return best;
-}
-
 HybridOutcome HybridSet::within_steps(const Score& score, uint64_t steps) const {
     const HybridOutcome all = outcome(score, -1.0);
     if (all.steps <= steps) return all;
-    HybridOutcome best = outcome(score, 1e10);
-    double high = 10.0;
-    double low = -30.0;
-    for (int i = 0; i < 40; ++i) {
+    HybridOutcome best = outcome(score, std::pow(10.0, kHighestPrice));
+    double high = kHighestPrice;
+    double low = kLowestPrice;
+    for (int i = 0; i < kHalvings; ++i) {
         const double middle = 0.5 * (low + high);
         const HybridOutcome at = outcome(score, std::pow(10.0, middle));
         (at.steps <= steps ? high : low) = middle;
@@ -226,8 +210,15 @@ HybridOutcome HybridSet::within_steps(const Score& score, uint64_t steps) const 
     return best;
 }
 
-HybridOutcome HybridSet::within_error(const Score& score, double rmse) const {
-    return search(score, [rmse](const HybridOutcome& at) { return at.rmse() <= rmse; });
+double HybridSet::price_for_error(const Score& score, double rmse) const {
+    if (outcome(score, -1.0).rmse() > rmse) return -1.0;
+    double high = kHighestPrice;
+    double low = kLowestPrice;
+    for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        (outcome(score, std::pow(10.0, middle)).rmse() <= rmse ? low : high) = middle;
+    }
+    return std::pow(10.0, low);
 }
 
 Image nested_truth(const RenderScene& scene, const FaceView& at) {
@@ -236,8 +227,8 @@ Image nested_truth(const RenderScene& scene, const FaceView& at) {
         for (int x = 0; x < at.view.width_px; ++x) {
             if (!at.renders(x, y)) continue;
             const StartList from = start_list(scene.tree, pixel_beam(at.view, {x, y, x, y}, 1.0));
-            const uint64_t key = random_key(
-                {kTruthPlaces, static_cast<uint64_t>(x), static_cast<uint64_t>(y)});
+            const uint64_t key =
+                random_key({kTruthPlaces, static_cast<uint64_t>(x), static_cast<uint64_t>(y)});
             Vec3 sum(0.0);
             for (uint32_t i = 0; i < kTruthRays; ++i) {
                 const Vec2 place = owen_sobol(i, key) - Vec2(0.5);

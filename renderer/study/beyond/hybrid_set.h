@@ -72,15 +72,12 @@ class HybridSet {
     /// The outcome of the lowest price that takes at most so many steps; with no price that does,
     /// of one ray per pixel.
     HybridOutcome within_steps(const Score& score, uint64_t steps) const;
-    /// The outcome of the highest price whose error is at most so large; the finest where none is.
-    HybridOutcome within_error(const Score& score, double rmse) const;
+    /// The highest price whose error is at most so large; below 0, which refines all, where none
+    /// is.
+    double price_for_error(const Score& score, double rmse) const;
     std::span<const RecordedPixel> pixels() const { return pixels_; }
 
   private:
-    struct Price;
-    template <class Enough>
-    HybridOutcome search(const Score& score, Enough enough) const;
-
     std::vector<RecordedPixel> pixels_;
     uint64_t list_steps_ = 0;
 };

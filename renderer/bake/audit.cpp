@@ -30,6 +30,13 @@ double contrast(const Cubemap& cube, const CubePixel& p) {
     return largest * largest;
 }
 
+/// Predicted squared error of a stored pixel.
+double predicted(const AuditSpec& spec, size_t i, const CubePixel& pixel) {
+    const PixelAux& aux = spec.aux[i];
+    return aux.predicted_error > 0.0f ? aux.predicted_error
+                                      : contrast(spec.as_written, pixel) / aux.samples;
+}
+
 /// Probability of every stored pixel to be drawn.
 std::vector<double> draw_probabilities(const AuditSpec& spec) {
     const int n = spec.as_written.face_size();
@@ -37,8 +44,7 @@ std::vector<double> draw_probabilities(const AuditSpec& spec) {
     double sum = 0.0;
     for (size_t i = 0; i < probability.size(); ++i) {
         const CubePixel pixel = pixel_at(i, n);
-        probability[i] = pixel_weight(spec.weighting, pixel, n) * contrast(spec.as_written, pixel) /
-                         spec.aux[i].samples;
+        probability[i] = pixel_weight(spec.weighting, pixel, n) * predicted(spec, i, pixel);
         sum += probability[i];
     }
     const double uniform = 1.0 / static_cast<double>(probability.size());

@@ -1,7 +1,8 @@
 // The audit: how wrong a rendered cubemap is, measured on fresh pixels.
 //
 // Stored pixels are drawn with replacement with probabilities p: half uniform, half in proportion
-// to a predicted squared error (contrast with the neighbours, divided by the rays kept). Each is
+// to a predicted squared error (the hybrid renderer's own; of others contrast with the neighbours,
+// divided by the rays kept). Each is
 // compared, as the written file holds it, with two independent means of stratified leaf rays;
 // e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
 // (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The uniform half

@@ -61,7 +61,7 @@ class Unit {
             if (params_.out_of_time || !may_look_again(next)) return;
             const Audit look = audit(static_cast<uint64_t>(result_.looks));
             result_.decision_cost += look.cost;
-            if (estimate_meets(job_.quality.target, look.error)) return;
+            if (bound_meets(job_.quality.target, look.error, kLookConfidence)) return;
             next = next_finer(next, look.error);
             result_.earlier_renders += render_.total();
             render_mse_ = pilot_.finer[next].mse;
@@ -79,7 +79,8 @@ class Unit {
     /// The first finer candidate that promises to make up for what the look found missing.
     size_t next_finer(size_t next, const MeasuredError& found) const {
         if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
-        const double wanted = render_mse_ * largest_mse(job_.quality.target) / found.mse.value;
+        const double wanted = render_mse_ * largest_mse(job_.quality.target) /
+                              found.mse.interval(kLookConfidence).high;
         while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > wanted) {
             ++next;
         }

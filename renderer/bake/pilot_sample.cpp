@@ -147,14 +147,6 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
         const auto record = [&](int grid) {
             record_leaves(at.scene, at.view, at.owner.x, at.owner.y, grid, pixel.record, stats);
         };
-        if (kind == RendererKind::kHybrid) {
-            if (first_time) pixel.hybrid.pixel.evidence.contrast = contrast_at(at, stats);
-            while (pixel.hybrid.recorded() < kHybridStages &&
-                   stage_grid(pixel.hybrid.recorded()) <= leaf_grid) {
-                record_stage({at.scene, at.view, at.owner.x, at.owner.y}, pixel.hybrid, stats);
-            }
-            return;
-        }
         if (first_time) {
             pixel.record = record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
         }
@@ -166,6 +158,20 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
         if (kind != RendererKind::kAdaptive) return;
         record(2);
         pixel.variation = variation_at(at, stats);
+    });
+}
+
+void PilotSample::extend_hybrid(double price) {
+    search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
+        HybridRecord& record = sample_.pixels[at.index].hybrid;
+        const HybridCast cast{at.scene, at.view, at.owner.x, at.owner.y};
+        if (record.recorded() == 0) {
+            record.pixel.evidence.contrast = contrast_at(at, stats);
+            record_stage(cast, record, stats);
+        }
+        while (record.recorded() < kHybridStages && record.gain() > price) {
+            record_stage(cast, record, stats);
+        }
     });
 }
 
@@ -222,9 +228,9 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
                 case RendererKind::kErrorAware:
                     return error_aware_pixel(at.scene, at.view, x, y, settings, stats);
                 case RendererKind::kHybrid:
-                    return hybrid_pixel(
-                        {at.scene, at.view, x, y, settings.hybrid},
-                        sample_.pixels[at.index].hybrid.pixel.evidence.contrast, settings, stats);
+                    return hybrid_pixel({at.scene, at.view, x, y, settings.hybrid},
+                                        sample_.pixels[at.index].hybrid.pixel.evidence.contrast,
+                                        settings, stats);
                 case RendererKind::kAdaptive:
                     break;
             }

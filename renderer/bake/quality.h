@@ -62,6 +62,11 @@ double largest_mse(const QualityTarget& target);
 /// target of rays says nothing about error: always true.
 bool estimate_meets(const QualityTarget& target, const MeasuredError& error);
 bool bound_meets(const QualityTarget& target, const MeasuredError& error, double confidence);
+
+/// Confidence of the interval whose far end decides on the way whether a render is good enough. The
+/// certificate asks for the job's own; a decision has a smaller sample, and one by the estimate
+/// alone would leave the probes that miss by a little to luck.
+inline constexpr double kLookConfidence = 0.7;
 /// Whether even the near end of the interval misses it.
 bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence);
 

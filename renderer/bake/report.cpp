@@ -16,7 +16,8 @@ Json optional_json(const std::optional<T>& value) {
 Json write_cost(const CostStats& cost) {
     return {{"rays", cost.rays},       {"discarded_rays", cost.discarded_rays},
             {"hit_rays", cost.hits()}, {"missed_rays", cost.missed_rays},
-            {"steps", cost.steps},     {"seconds", cost.seconds}};
+            {"steps", cost.steps},     {"box_tests", cost.box_tests},
+            {"seconds", cost.seconds}};
 }
 
 /// With the levels at which rays stopped, up to the highest one.

@@ -137,6 +137,12 @@ double predicted_gain(int stage, const PixelEvidence& evidence) {
     return predicted_error(stage, evidence) / stage_rays(stage + 1);
 }
 
+double expected_error(const HybridPixel& pixel) {
+    // Nothing is fitted for the last stage; four times the rays err about half as much.
+    if (pixel.stage < kHybridStages - 1) return predicted_error(pixel.stage, pixel.evidence);
+    return 0.25 * predicted_error(kHybridStages - 2, pixel.evidence);
+}
+
 bool goes_on(int stage, const PixelEvidence& evidence, const RenderSettings& settings) {
     return has_next(stage, settings) && predicted_gain(stage, evidence) > settings.price;
 }

@@ -23,6 +23,11 @@
 
 namespace probebake {
 
+/// The hybrid renderer up to its last stage.
+inline RenderSettings hybrid_at(double price) {
+    return {.kind = RendererKind::kHybrid, .leaf_grid = 16, .price = price};
+}
+
 /// Cells per pixel side of a stage.
 constexpr int stage_grid(int stage) { return 1 << stage; }
 /// Rays that a stage adds.
@@ -63,6 +68,9 @@ struct Neighbour {
 };
 double neighbour_contrast(const std::array<Neighbour, 9>& block);
 
+/// The squared error that is expected to be left after a pixel's last stage.
+double expected_error(const HybridPixel& pixel);
+
 /// Whether a pixel goes on after a stage. A price below 0 has every pixel go on to the last stage
 /// that the settings' leaf grid allows.
 bool goes_on(int stage, const PixelEvidence& evidence, const RenderSettings& settings);
@@ -73,8 +81,8 @@ double predicted_gain(int stage, const PixelEvidence& evidence);
 PixelSums hybrid_pixel(const HybridCast& cast, double contrast, const RenderSettings& settings,
                        CostStats& stats);
 
-/// All stages that a pixel could go through, so that the outcome of any price is known without
-/// casting again: what the quality search works on.
+/// The stages that a pixel goes through at some price, so that the outcome of any price from that
+/// one up is known without casting again: what the quality search works on.
 struct HybridRecord {
     struct Stage {
         Vec3 color{0.0};
@@ -86,11 +94,12 @@ struct HybridRecord {
     HybridPixel pixel;
 
     int recorded() const { return pixel.stage + 1; }
+    /// Of going on from the last recorded stage.
+    double gain() const { return stages[static_cast<size_t>(pixel.stage)].gain; }
 };
 /// Casts the next stage; its cost alone is added to `stats`.
 void record_stage(const HybridCast& cast, HybridRecord& record, CostStats& stats);
-/// As the renderer would have it, from a record that holds the stages up to the settings' leaf
-/// grid.
+/// As the renderer would have it, from a record that holds the stages it goes through.
 ReplayedPixel replay_hybrid(const HybridRecord& record, const RenderSettings& settings);
 
 }  // namespace probebake

@@ -121,6 +121,7 @@ class HybridView {
 
     void store(int x, int y, const HybridPixel& pixel) {
         out_.store(x, y, pixel.sums.scaled(1.0 / pixel.sums.samples));
+        out_.aux[index(x, y)].predicted_error = static_cast<float>(expected_error(pixel));
     }
 
     double contrast(int x, int y) const {

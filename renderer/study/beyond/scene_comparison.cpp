@@ -314,7 +314,9 @@ Json time_for_same_error(const RenderScene& scene, const ViewSet& set, const The
         return seconds[which][kRuns / 2];
     };
     const double thesis_seconds = median(0);
-    return {{"hybrid_over_thesis", median(1) / thesis_seconds},
+    return {{"threshold", threshold},
+            {"price", price},
+            {"hybrid_over_thesis", median(1) / thesis_seconds},
             {"without_lists_over_thesis", median(2) / thesis_seconds},
             {"rmse", {rmse[0], rmse[1], rmse[2]}}};
 }

@@ -32,7 +32,8 @@ class BeamTest {
     bool meets(const IVec3& corner, int edge) const {
         const Vec3 low = Vec3(corner) - beam_.origin;
         const Vec3 high = low + Vec3(edge);
-        const double margin = kMargin * (far_distance(low, high) + 1.0);
+        const Vec3 far = glm::max(glm::abs(low), glm::abs(high));
+        const double margin = kMargin * (far.x + far.y + far.z + 1.0);
         for (const Vec3& inward : inward_) {
             double most = 0.0;
             for (int axis = 0; axis < 3; ++axis) {
@@ -64,59 +65,68 @@ class BeamTest {
 class ListBuilder {
   public:
     ListBuilder(const VoxelTree& tree, const Beam& beam)
-        : tree_(tree), origin_(beam.origin), test_(beam) {}
+        : tree_(tree), origin_(beam.origin), test_(beam) {
+        list_.nodes.reserve(kManyNodes / 2);
+    }
 
     void add_root() {
-        StartNode root{.level = tree_.depth()};
-        root.path[static_cast<size_t>((tree_.depth() - 1) / 2)] = 0;
-        add(root);
+        path_.fill(0);
+        add({0, 0, 0}, tree_.depth());
     }
     void add(const StartNode& node) {
-        const int edge = 1 << node.level;
-        if (!test_.meets(node.corner, edge)) return;
-        if (node.level < tree_.depth()) ++list_.steps;
-        if (node.level <= kFinestLevel || list_.nodes.size() >= kManyNodes ||
-            !test_.splits(node.corner, edge)) {
-            list_.nodes.push_back(node);
-            return;
-        }
-        add_children(node);
+        path_ = node.path;
+        add(node.corner, node.level);
     }
     StartList take() { return std::move(list_); }
 
   private:
-    void add_children(const StartNode& node) {
-        const int child_level = node.level - 1;
+    /// A node whose ancestors are in path_.
+    void add(const IVec3& corner, int level) {
+        const int edge = 1 << level;
+        if (!test_.meets(corner, edge)) return;
+        if (level < tree_.depth()) ++list_.steps;
+        if (level > kFinestLevel && list_.nodes.size() < kManyNodes && test_.splits(corner, edge)) {
+            add_children(corner, level);
+        } else {
+            list_.nodes.push_back({.low = Vec3(corner),
+                                   .high = Vec3(corner + edge),
+                                   .corner = corner,
+                                   .level = level,
+                                   .path = path_});
+        }
+    }
+
+    void add_children(const IVec3& corner, int level) {
+        const int child_level = level - 1;
         const int half = 1 << child_level;
-        const VoxelNode& holder =
-            tree_.nodes()[node.path[static_cast<size_t>((node.level - 1) / 2)]];
-        const uint32_t octant = node.level % 2 == 0 ? 0 : octant_of(node.corner, node.level);
+        const VoxelNode& holder = tree_.nodes()[path_[static_cast<size_t>((level - 1) / 2)]];
+        const uint32_t octant = level % 2 == 0 ? 0 : octant_of(corner, level);
         const uint32_t children =
-            node.level % 2 == 0 ? nonzero_bytes(holder.mask)
-                                : static_cast<uint32_t>((holder.mask >> (8 * octant)) & 0xFFu);
+            level % 2 == 0 ? nonzero_bytes(holder.mask)
+                           : static_cast<uint32_t>((holder.mask >> (8 * octant)) & 0xFFu);
         uint32_t nearest = 0;
         for (int axis = 0; axis < 3; ++axis) {
-            if (origin_[axis] >= node.corner[axis] + half) nearest |= 1u << axis;
+            if (origin_[axis] >= corner[axis] + half) nearest |= 1u << axis;
         }
         for (uint32_t i = 0; i < 8; ++i) {
             const uint32_t child = nearest ^ i;
             if (((children >> child) & 1u) == 0) continue;
-            StartNode next = node;
-            next.level = child_level;
+            IVec3 at = corner;
             for (int axis = 0; axis < 3; ++axis) {
-                if (((child >> axis) & 1u) != 0) next.corner[axis] += half;
+                if (((child >> axis) & 1u) != 0) at[axis] += half;
             }
-            if (node.level % 2 != 0) {
-                next.path[static_cast<size_t>(child_level / 2 - 1)] =
+            if (level % 2 != 0) {
+                path_[static_cast<size_t>(child_level / 2 - 1)] =
                     holder.first_child + rank_below(holder.mask, 8 * octant + child);
             }
-            add(next);
+            add(at, child_level);
         }
     }
 
     const VoxelTree& tree_;
     Vec3 origin_;
     BeamTest test_;
+    std::array<uint32_t, kMaxNodeLevels> path_{};
     StartList list_;
 };
 

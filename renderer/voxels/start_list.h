@@ -26,6 +26,8 @@ struct Beam {
 
 /// A node of the octree, with its ancestors as in Hit::path.
 struct StartNode {
+    Vec3 low{0.0};  // opposite corners
+    Vec3 high{0.0};
     IVec3 corner{0};
     int level = 0;
     std::array<uint32_t, kMaxNodeLevels> path{};

@@ -42,48 +42,52 @@ class Traversal {
         if (!(t < t_exit) || !(t_exit > range.t_min) || t > range.t_max) return {};
         push_root(t, t_exit);
         start_level_ = depth_;
-        return walk(t, lod, range, rule, passed);
+        Hit hit;
+        walk(t, lod, range, rule, passed, hit);
+        return hit;
     }
 
     /// The same from the nodes that are first on the way of a beam that the ray belongs to.
     Hit run_from(const StartList& list, const LevelOfDetail& lod, const TraceRange& range,
                  Hit* passed) {
-        uint32_t steps = 0;
         uint32_t tests = 0;
         Hit hit;
         for (const StartNode& node : list.nodes) {
-            const int edge = 1 << node.level;
-            const double t = t_enter_of(node.corner, edge);
-            const double t_exit = t_exit_of(node.corner, edge);
+            const Vec3 to_low = (node.low - origin_) * inverse_;
+            const Vec3 to_high = (node.high - origin_) * inverse_;
+            const Vec3 in = glm::min(to_low, to_high);
+            const Vec3 out = glm::max(to_low, to_high);
+            const double t = std::max({in.x, in.y, in.z});
+            const double t_exit = std::min({out.x, out.y, out.z});
             ++tests;
             if (!(t < t_exit) || !(t_exit > range.t_min)) continue;
             if (t > range.t_max) break;
             push_start(node, t, t_exit);
-            const bool opaque = node.level < depth_ && edge <= lod.cone * t && t >= range.t_min;
+            const bool opaque = node.level < depth_ && t >= range.t_min &&
+                                static_cast<double>(1 << node.level) <= lod.cone * t;
             if (passed != nullptr && !*passed && opaque) {
                 describe(node.corner, node.level, t, *passed);
                 passed->path = node.path;
             }
-            hit = walk(t, lod, range, nullptr, passed);
-            steps += hit.steps + (node.level < depth_ ? 1 : 0);
+            if (node.level < depth_) ++hit.steps;
+            walk(t, lod, range, nullptr, passed, hit);
             if (hit) break;
         }
-        hit.steps = steps;
         hit.box_tests = tests;
         return hit;
     }
 
   private:
-    Hit walk(double t, const LevelOfDetail& lod, const TraceRange& range, StopRule* rule,
-             Hit* passed) {
-        Hit hit;
+    /// From the start node on; adds to the steps of `hit`, which stays a miss where there is none.
+    void walk(double t, const LevelOfDetail& lod, const TraceRange& range, StopRule* rule,
+              Hit* passed, Hit& hit) {
         int level = start_level_;
         for (;;) {
             Frame& frame = frames_[static_cast<size_t>(level)];
             const double child_exit = exit_of_current(frame);
             const uint32_t octant = frame.current ^ mirror_;
             if (((frame.children >> octant) & 1u) != 0 && child_exit > range.t_min) {
-                if (t > range.t_max) return hit;
+                if (t > range.t_max) return;
                 ++hit.steps;
                 const int child_level = level - 1;
                 const bool opaque = child_level <= lod.fixed_level ||
@@ -92,7 +96,7 @@ class Traversal {
                     if (passed != nullptr && !*passed) finish(frame, level, octant, t, *passed);
                     if (passed == nullptr || child_level == 0) {
                         finish(frame, level, octant, t, hit);
-                        if (rule == nullptr || child_level == 0 || rule->stops(hit)) return hit;
+                        if (rule == nullptr || child_level == 0 || rule->stops(hit)) return;
                         hit = Hit{.steps = hit.steps};
                     }
                 }
@@ -104,7 +108,7 @@ class Traversal {
             }
             t = child_exit;
             while (t >= frames_[static_cast<size_t>(level)].t_exit) {
-                if (++level > start_level_) return hit;
+                if (++level > start_level_) return;
             }
             pass_planes(frames_[static_cast<size_t>(level)], t);
         }

@@ -14,7 +14,8 @@ constexpr uint32_t kTruthRays = 256;
 /// Prices are sought between these powers of ten.
 constexpr double kLowestPrice = -20.0;
 constexpr double kHighestPrice = 10.0;
-constexpr int kHalvings = 40;
+constexpr int kHalvings = 30;
+constexpr size_t kPart = 8192;
 constexpr uint64_t kTruthPlaces = 0x74727574'68000000;
 
 /// Pixels of a view before the neighbours' contrast is known.
@@ -181,15 +182,27 @@ HybridSet::HybridSet(const RenderScene& scene, std::span<const FaceView> views,
 }
 
 HybridOutcome HybridSet::outcome(const Score& score, double price) const {
+    // Parts of fixed size, added up in order: the same sum for any number of threads.
+    std::vector<HybridOutcome> parts((pixels_.size() + kPart - 1) / kPart);
+    tbb::parallel_for(size_t{0}, parts.size(), [&](size_t p) {
+        const size_t end = std::min(pixels_.size(), (p + 1) * kPart);
+        for (size_t i = p * kPart; i < end; ++i) {
+            const RecordedPixel& pixel = pixels_[i];
+            int stage = 0;
+            while (stage + 1 < kRecordedStages && score(pixel, stage) > price) ++stage;
+            const RecordedPixel::Stage& at = pixel.stages[static_cast<size_t>(stage)];
+            parts[p].mse += pixel.squared_error(stage);
+            parts[p].rays += at.rays;
+            parts[p].steps += at.steps;
+            parts[p].box_tests += at.box_tests;
+        }
+    });
     HybridOutcome out{.pixels = pixels_.size(), .steps = list_steps_};
-    for (const RecordedPixel& pixel : pixels_) {
-        int stage = 0;
-        while (stage + 1 < kRecordedStages && score(pixel, stage) > price) ++stage;
-        const RecordedPixel::Stage& at = pixel.stages[static_cast<size_t>(stage)];
-        out.mse += pixel.squared_error(stage);
-        out.rays += at.rays;
-        out.steps += at.steps;
-        out.box_tests += at.box_tests;
+    for (const HybridOutcome& part : parts) {
+        out.mse += part.mse;
+        out.rays += part.rays;
+        out.steps += part.steps;
+        out.box_tests += part.box_tests;
     }
     out.mse /= static_cast<double>(std::max<size_t>(1, pixels_.size()));
     return out;

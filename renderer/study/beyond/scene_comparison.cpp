@@ -1,5 +1,7 @@
 #include "study/beyond/scene_comparison.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -53,22 +55,32 @@ class ThesisSet {
     uint64_t base_steps() const { return base_steps_; }
 
     Result outcome(const Outcome& of) const {
-        Result result;
-        double squared = 0.0;
-        uint64_t pixels = 0;
-        for (size_t v = 0; v < records_.size(); ++v) {
-            for (size_t i = 0; i < records_[v].pixels.size(); ++i) {
+        std::vector<Part> parts;  // a row of a view each, added up in order
+        for (const ViewRecord& record : records_) {
+            parts.resize(parts.size() + static_cast<size_t>(record.view.height_px));
+        }
+        const auto height = static_cast<size_t>(records_[0].view.height_px);
+        tbb::parallel_for(size_t{0}, parts.size(), [&](size_t row) {
+            const size_t v = row / height;
+            const auto width = static_cast<size_t>(records_[v].view.width_px);
+            const size_t begin = row % height * width;
+            for (size_t i = begin; i < begin + width; ++i) {
                 const PixelRecord& pixel = records_[v].pixels[i];
                 if (!pixel.rendered) continue;
                 const PixelOutcome made = of(pixel);
                 const Vec3 difference = made.color - Vec3(set_.truth[v].pixels()[i]);
-                squared += glm::dot(difference, difference) / 3.0;
-                result.steps += made.steps;
-                ++pixels;
+                parts[row].squared += glm::dot(difference, difference) / 3.0;
+                parts[row].steps += made.steps;
+                ++parts[row].pixels;
             }
+        });
+        Part sum;
+        for (const Part& part : parts) {
+            sum.squared += part.squared;
+            sum.steps += part.steps;
+            sum.pixels += part.pixels;
         }
-        result.rmse = std::sqrt(squared / static_cast<double>(pixels));
-        return result;
+        return {sum.steps, std::sqrt(sum.squared / static_cast<double>(sum.pixels))};
     }
 
     /// The best of a renderer for so many steps: settings from no refinement to all.
@@ -91,8 +103,8 @@ class ThesisSet {
     /// The fewest steps with which its error-aware renderer errs no more than in `known`.
     uint64_t error_aware_steps_for(const Result& known) const {
         uint64_t fewest = known.steps;
-        for (int i = 0; i <= 400; ++i) {
-            const double threshold = -0.25 + 1.75 * i / 400.0;
+        for (int i = 0; i <= 100; ++i) {
+            const double threshold = -0.25 + 1.75 * i / 100.0;
             const Result at = outcome([threshold](const PixelRecord& pixel) {
                 return error_aware_outcome(pixel, threshold, kThesisDecay);
             });
@@ -102,6 +114,12 @@ class ThesisSet {
     }
 
   private:
+    struct Part {
+        double squared = 0.0;
+        uint64_t steps = 0;
+        uint64_t pixels = 0;
+    };
+
     /// `make(x)`: cheaper as x grows from 0 to 1. The smallest affordable x, by halving.
     template <class Make>
     Result best_within(uint64_t steps, Make make) const {
@@ -110,7 +128,7 @@ class ThesisSet {
         best = outcome(lod_outcome);
         double low = 0.0;
         double high = 1.0;
-        for (int i = 0; i < 40; ++i) {
+        for (int i = 0; i < 30; ++i) {
             const double middle = 0.5 * (low + high);
             const Result at = outcome(make(middle));
             (at.steps <= steps ? high : low) = middle;

@@ -54,7 +54,8 @@ constexpr uint64_t kPlaces = 0x68796272'69640000;
 Vec2 place_of(const HybridCast& cast, int stage, int index) {
     const int grid = stage_grid(stage);
     if (stage < 2 || !cast.switches.nested_rays) {
-        return Vec2((index % grid + 0.5) / grid - 0.5, (index / grid + 0.5) / grid - 0.5);
+        const int row = index / grid;
+        return Vec2((index % grid + 0.5) / grid - 0.5, (row + 0.5) / grid - 0.5);
     }
     const int before = stage == 2 ? 0 : grid * grid / 4;
     const uint64_t key =

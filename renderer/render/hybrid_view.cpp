@@ -20,7 +20,7 @@ struct FirstRays {
     double t = 0.0;
     uint32_t steps = 0;
     uint32_t box_tests = 0;
-    int8_t level = -1;  // −1 for a miss
+    int level = -1;  // −1 for a miss
     bool rendered = false;
 };
 
@@ -115,7 +115,7 @@ class HybridView {
                  .box_tests = static_cast<uint32_t>(pixel.cost.box_tests),
                  .rendered = true};
         for (size_t level = 0; level < pixel.cost.level_histogram.size(); ++level) {
-            if (pixel.cost.level_histogram[level] > 0) first.level = static_cast<int8_t>(level);
+            if (pixel.cost.level_histogram[level] > 0) first.level = static_cast<int>(level);
         }
     }
 

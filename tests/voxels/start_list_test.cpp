@@ -68,8 +68,9 @@ TEST(StartList, ChangesNothingThatARayMeets) {
                 const StartList inner = start_list(tree, narrow.beam, list);
                 nodes += list.nodes.size();
                 for (int i = 0; i < 25; ++i) {
+                    const int row = i / 3;
                     const double u = i < 9 ? i % 3 - 1.0 : 2.0 * random.uniform() - 1.0;
-                    const double v = i < 9 ? i / 3 - 1.0 : 2.0 * random.uniform() - 1.0;
+                    const double v = i < 9 ? row - 1.0 : 2.0 * random.uniform() - 1.0;
                     for (const bool use_inner : {false, true}) {
                         const TestBeam& in = use_inner ? narrow : wide;
                         const StartList& from = use_inner ? inner : list;

@@ -177,8 +177,8 @@ TEST_F(HybridTest, NestedRaysAreFewerAndBetter) {
         const CubemapRender regular = render(replaced);
         EXPECT_LE(nested.total().all_rays(), regular.total().all_rays());
         EXPECT_LT(error_of(nested.color), error_of(regular.color)) << grid;
-        EXPECT_EQ(regular.total().rays,
-                  owned_pixel_count(kSize) * static_cast<uint64_t>(grid * grid));
+        EXPECT_EQ(regular.total().rays, owned_pixel_count(kSize) * static_cast<uint64_t>(grid) *
+                                            static_cast<uint64_t>(grid));
     }
 }
 
@@ -191,7 +191,7 @@ TEST_F(HybridTest, ARayLimitIsSpentWhereMostIsPredicted) {
         const CubemapRender limited = render(settings(1e-7), limit);
         EXPECT_TRUE(limited.limited);
         EXPECT_LE(limited.total().all_rays(), limit);
-        EXPECT_GT(limited.total().all_rays() + uint64_t{6 * 192}, limit) << "and it is spent";
+        EXPECT_GT(limited.total().all_rays() + uint64_t{6} * 192, limit) << "and it is spent";
         EXPECT_LT(error_of(limited.color), error);
         error = error_of(limited.color);
     }

@@ -6,6 +6,20 @@
 namespace probebake {
 namespace {
 
+/// By how much a ray begins before the node that it goes on from, voxels: rounding must not put it
+/// behind the node's own face.
+constexpr double kBackwards = 1e-6;
+
+class UndividedRule : public StopRule {
+  public:
+    UndividedRule(const FaceColors& colors, const VoxelTree& tree) : colors_(colors), tree_(tree) {}
+    bool stops(const Hit& node) override { return !colors_.divided(tree_, node, node.level); }
+
+  private:
+    const FaceColors& colors_;
+    const VoxelTree& tree_;
+};
+
 enum class Side { kBehind, kInFront, kBoth };
 
 /// On which side of a group's faces the point lies; `at` in steps from the node's lowest corner.
@@ -44,7 +58,19 @@ Rgb darkest_in_front(const FaceLevel& faces, size_t node, const Hit& hit) {
 
 }  // namespace
 
-Rgb FaceColors::seen(const VoxelTree& tree, const Hit& hit, int level) const {
+Rgb FaceColors::seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit,
+                     int level) const {
+    if (divided(tree, hit, hit.level)) {
+        UndividedRule rule(*this, tree);
+        const Hit finer = trace(tree, {hit.point, direction}, {.fixed_level = hit.level - 1},
+                                {.t_min = -kBackwards}, rule);
+        return finer ? value_of(tree, finer, finer.level) : value_of(tree, hit, hit.level);
+    }
+    while (level > hit.level && divided(tree, hit, level)) --level;
+    return value_of(tree, hit, level);
+}
+
+Rgb FaceColors::value_of(const VoxelTree& tree, const Hit& hit, int level) const {
     const ColorIndex node = color_index(tree, hit, hit.level);
     const FaceLevel& faces = this->level(node.array);
     const int face = probebake::index_of(hit.entry_face);

@@ -8,6 +8,12 @@
 // Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside, and a ray
 // that meets black faces shows black whatever the ancestor whose colour it takes.
 //
+// A node is divided where it holds faces on both sides of a wall, in light that differs by more
+// than 1 : 16: floor of a closed room and sunlit ground outside. Its means are right for neither;
+// what is shown is finer (FaceColors::seen). Air that is not joined within a node's block of 16³
+// voxels counts as two sides; above the blocks a node is divided where its blocks' light differs
+// so.
+//
 // A ray that stops at a node may enter it through a side that exposes nothing (flat ground is
 // entered from the side all the time). It is shown the darkest of what lies in front of its entry
 // point; see FaceColors::seen.
@@ -49,6 +55,7 @@ struct FaceLevel {
     std::vector<uint32_t> first;    // per word
     std::vector<PackedRgb> values;  // per exposed face direction of a node
     std::vector<FaceGroup> groups;  // the same; empty for voxels
+    std::vector<uint8_t> divided;   // 1 or 0 per node; empty for voxels
 
     uint64_t word(size_t node) const {
         uint64_t bits = 0;
@@ -63,7 +70,8 @@ struct FaceLevel {
     }
     uint64_t memory_bytes() const {
         return exposed.size() + first.size() * sizeof(uint32_t) +
-               values.size() * sizeof(PackedRgb) + groups.size() * sizeof(FaceGroup);
+               values.size() * sizeof(PackedRgb) + groups.size() * sizeof(FaceGroup) +
+               divided.size();
     }
     bool operator==(const FaceLevel&) const = default;
 };
@@ -80,8 +88,13 @@ struct FaceColors {
                                                       : nodes;
     }
 
-    /// What a ray sees of a hit in the colours of its ancestor at octree level `level` (hit.level:
-    /// the node hit itself): the ancestor's value times the share of the node hit.
+    /// What a ray of this direction sees of a hit in the colours of its ancestor at octree level
+    /// `level` (hit.level: the node hit itself): the ancestor's value times the share of the node
+    /// hit.
+    ///
+    /// A divided ancestor gives way to the next below it. A divided node that was hit is shown as
+    /// the first undivided one that the ray meets from there on: that stands in the ray's own air.
+    /// Where it meets none it leaves the world, and was in no room: it sees the node's mean.
     ///
     /// A node that does not expose the direction of the face that was met is a box that was met at
     /// a side without faces. Whatever the ray might have met below lies in front of hit.point, and
@@ -89,13 +102,21 @@ struct FaceColors {
     /// enters one through such a face. So the least of the darkest faces of the directions in front
     /// of hit.point is never brighter than something that is on this side of all walls; directions
     /// partly in front, partly behind count as black. A voxel's unexposed face is black.
-    Rgb seen(const VoxelTree& tree, const Hit& hit, int level) const;
+    Rgb seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level) const;
+    bool divided(const VoxelTree& tree, const Hit& hit, int level) const {
+        if (level == 0) return false;
+        const ColorIndex at = color_index(tree, hit, level);
+        return this->level(at.array).divided[at.index] != 0;
+    }
 
     uint64_t face_count() const { return voxels.values.size(); }
     uint64_t memory_bytes() const {
         return voxels.memory_bytes() + octants.memory_bytes() + nodes.memory_bytes();
     }
     bool operator==(const FaceColors&) const = default;
+
+  private:
+    Rgb value_of(const VoxelTree& tree, const Hit& hit, int level) const;
 };
 
 }  // namespace probebake

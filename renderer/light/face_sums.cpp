@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <span>
 #include <stdexcept>
 
 namespace probebake {
@@ -21,10 +22,41 @@ void index_values(FaceLevel& level) {
     level.values.resize(count);
 }
 
+void add_region(std::vector<RegionLight>& regions, const RegionLight& added) {
+    const auto same = std::find_if(regions.begin(), regions.end(),
+                                   [&](const RegionLight& r) { return r.region == added.region; });
+    if (same == regions.end()) {
+        regions.push_back(added);
+    } else {
+        same->brightest = std::max(same->brightest, added.brightest);
+    }
+}
+
+float dimmest_of(std::span<const RegionLight> regions) {
+    float dimmest = std::numeric_limits<float>::infinity();
+    for (const RegionLight& region : regions) dimmest = std::min(dimmest, region.brightest);
+    return dimmest;
+}
+
 }  // namespace
 
+void FaceSums::add(const FaceSums& other) {
+    for (size_t f = 0; f < kFaceCount; ++f) groups[f].add(other.groups[f]);
+    for (const RegionLight& region : other.regions) add_region(regions, region);
+    brightest = std::max(brightest, other.brightest);
+    dimmest = regions.empty() ? std::min(dimmest, other.dimmest) : dimmest_of(regions);
+}
+
+void FaceSums::leave_block() {
+    bool any = false;
+    for (const Group& group : groups) any = any || group.count > 0;
+    if (regions.empty() && any) dimmest = brightest;
+    regions.clear();
+}
+
 FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
-                     const std::array<Rgb, kFaceCount>& radiance) {
+                     const std::array<Rgb, kFaceCount>& radiance,
+                     const std::array<int, kFaceCount>* region) {
     FaceSums sums;
     for (int face = 0; face < kFaceCount; ++face) {
         if (((exposed >> face) & 1u) == 0) continue;
@@ -36,7 +68,11 @@ FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
                                                   .darkest = luminance(color),
                                                   .low = plane,
                                                   .high = plane};
+        sums.brightest = std::max(sums.brightest, luminance(color));
+        if (region == nullptr) continue;
+        add_region(sums.regions, {(*region)[static_cast<size_t>(face)], luminance(color)});
     }
+    sums.dimmest = dimmest_of(sums.regions);
     return sums;
 }
 
@@ -65,6 +101,8 @@ void lay_out(const VoxelTree& tree, FaceColors& colors) {
     index_values(colors.voxels);
     index_values(colors.octants);
     index_values(colors.nodes);
+    colors.octants.divided.resize(tree.octant_count());
+    colors.nodes.divided.resize(tree.nodes().size());
     colors.octants.groups.resize(colors.octants.values.size());
     colors.nodes.groups.resize(colors.nodes.values.size());
 }

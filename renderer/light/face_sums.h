@@ -4,10 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
 #include "light/face_colors.h"
 
 namespace probebake {
+
+/// Light is told apart between regions of air whose brightest faces differ by more than this.
+inline constexpr float kDividedRatio = 1.0f / 16.0f;
+
+/// The faces below a node that front one region of air (air_regions.h).
+struct RegionLight {
+    int region = 0;
+    float brightest = 0.0f;  // luminance
+};
 
 struct FaceSums {
     /// The faces of one direction.
@@ -29,15 +39,24 @@ struct FaceSums {
         }
     };
     std::array<Group, kFaceCount> groups;
+    /// Within a block of several regions; empty elsewhere.
+    std::vector<RegionLight> regions;
+    /// Of the regions' brightest faces the darkest and the brightest; within a block of one region
+    /// the former is not set.
+    float dimmest = std::numeric_limits<float>::infinity();
+    float brightest = 0.0f;
 
-    void add(const FaceSums& other) {
-        for (size_t f = 0; f < kFaceCount; ++f) groups[f].add(other.groups[f]);
-    }
+    void add(const FaceSums& other);
+    /// Whether what is seen of the node depends on the region of air that it is seen from.
+    bool divided() const { return dimmest < kDividedRatio * brightest; }
+    /// To be called for the sums of a block, whose regions nothing outside knows.
+    void leave_block();
 };
 
-/// The exposed faces of one voxel.
+/// The exposed faces of one voxel; region: of the air before each, where the block has several.
 FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
-                     const std::array<Rgb, kFaceCount>& radiance);
+                     const std::array<Rgb, kFaceCount>& radiance,
+                     const std::array<int, kFaceCount>* region = nullptr);
 
 /// Sizes everything for `colors.voxels.exposed`, which holds one byte per voxel: bytes of octants
 /// and nodes, indices, room for values. Throws std::length_error beyond 2^32 − 1 values in one
@@ -68,9 +87,11 @@ FaceSums add_up(const VoxelTree& tree, int k, uint32_t index, const IVec3& corne
             sums.add(child_sums(
                 child++, octant_corner + IVec3(c & 1, (c >> 1) & 1, (c >> 2) & 1) * (edge / 4)));
         }
+        out.octants.divided[octant] = sums.divided() ? 1 : 0;
         write_means(out.octants, octant++, sums, octant_corner, edge / 2, out.scale);
         total.add(sums);
     }
+    out.nodes.divided[index] = total.divided() ? 1 : 0;
     write_means(out.nodes, index, total, corner, edge, out.scale);
     return total;
 }

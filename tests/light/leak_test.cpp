@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "light/light_fixture.h"
+#include "light/voxel_values.h"
 #include "math/random.h"
 #include "render/render.h"
 #include "support/ray_families.h"
@@ -143,6 +144,24 @@ TEST(Leaks, AHousesFloorGathersNothingOfTheSkyOutside) {
                                                   CubeFace::kPosY);
             EXPECT_GT(outside.r, 50.0f);
         }
+    }
+}
+
+/// The thesis's one value per voxel is known to leak: light_state offers it for comparisons.
+TEST(Leaks, OneValuePerVoxelGlowsInsideWhereOnePerFaceDoesNot) {
+    const Room room = kRooms[0];
+    const VoxelTree tree = tree_of(room, std::nullopt);
+    const LitScene lit = test::light(tree, {.sun = Sun{{1.0, 0.0, 0.0}, Rgb(1000.0f)}});
+    const ColorLevels per_voxel = one_value_per_voxel(tree, lit.colors);
+    const RenderScene thesis{.tree = tree, .color = per_voxel};
+    const RenderScene ours{.tree = tree, .color = tree.colors().albedo, .lit = &lit.colors};
+    const Vec3 out(1.0, 0.0, 0.0);
+    for (int level = 0; level <= 3; ++level) {
+        const Hit inside = trace(tree, {{20.0, 32.3, 32.7}, out}, {.fixed_level = level});
+        ASSERT_TRUE(inside);
+        // A wall's voxel has two exposed faces, one of them in the sun.
+        EXPECT_NEAR(shade(thesis, out, inside).r, 0.5 / 3.14159265 * 1000.0 / 2.0, 1.0) << level;
+        EXPECT_EQ(shade(ours, out, inside), Rgb(0.0f)) << level;
     }
 }
 

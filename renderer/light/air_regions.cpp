@@ -18,7 +18,9 @@ uint32_t spread(uint32_t bits, uint32_t within) {
 }  // namespace
 
 AirRegions::AirRegions(const FaceBlock& block)
-    : side_(block.edge() + 2), free_(static_cast<size_t>(side_ * side_), 0) {
+    : corner_(block.corner()),
+      side_(block.edge() + 2),
+      free_(static_cast<size_t>(side_ * side_), 0) {
     for (int z = -1; z <= block.edge(); ++z) {
         for (int y = -1; y <= block.edge(); ++y) {
             uint32_t& row = free_[index(y, z)];

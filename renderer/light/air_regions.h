@@ -15,9 +15,14 @@ class AirRegions {
     explicit AirRegions(const FaceBlock& block);
 
     int count() const { return count_; }
-    /// Of an empty voxel, coordinates from −1 to edge: 0 to count() − 1.
-    int of(const IVec3& at) const {
-        return count_ == 1 ? 0 : regions_[index(at.y, at.z) * size_t(side_) + size_t(at.x + 1)] - 1;
+    /// Of an empty voxel of the block or the layer, by its place in the world: 0 to count() − 1.
+    /// Where there are several regions, −1 for a voxel.
+    int of(const IVec3& voxel) const {
+        const IVec3 at = voxel - corner_;
+        if (count_ == 1) return 0;
+        return regions_[index(at.y, at.z) * static_cast<size_t>(side_) +
+                        static_cast<size_t>(at.x + 1)] -
+               1;
     }
 
   private:
@@ -27,6 +32,7 @@ class AirRegions {
     std::vector<uint32_t> take_region(size_t row);
     void number(const std::vector<uint32_t>& rows);
 
+    IVec3 corner_;
     int side_;
     int count_ = 0;
     std::vector<uint32_t> free_;     // empty voxels that are in no region yet, by rows

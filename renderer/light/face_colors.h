@@ -8,11 +8,11 @@
 // Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside, and a ray
 // that meets black faces shows black whatever the ancestor whose colour it takes.
 //
-// A node is divided where it holds faces on both sides of a wall, in light that differs by more
-// than 1 : 16: floor of a closed room and sunlit ground outside. Its means are right for neither;
-// what is shown is finer (FaceColors::seen). Air that is not joined within a node's block of 16³
-// voxels counts as two sides; above the blocks a node is divided where its blocks' light differs
-// so.
+// A node is divided in a face direction where a ray may meet that side of it from two sides of a
+// wall, in light that differs by more than 1 : 16: floor of a closed room and sunlit ground
+// outside. The mean is right for neither; what is shown is finer (FaceColors::seen). Air that is
+// not joined within a node's block of 16³ voxels counts as two sides; above the blocks a node is
+// divided where anything in it fronts air so much darker than the direction's brightest face.
 //
 // A ray that stops at a node may enter it through a side that exposes nothing (flat ground is
 // entered from the side all the time). It is shown the darkest of what lies in front of its entry
@@ -55,7 +55,7 @@ struct FaceLevel {
     std::vector<uint32_t> first;    // per word
     std::vector<PackedRgb> values;  // per exposed face direction of a node
     std::vector<FaceGroup> groups;  // the same; empty for voxels
-    std::vector<uint8_t> divided;   // 1 or 0 per node; empty for voxels
+    std::vector<uint8_t> divided;   // per node, bit f: in face direction f; empty for voxels
 
     uint64_t word(size_t node) const {
         uint64_t bits = 0;
@@ -103,10 +103,12 @@ struct FaceColors {
     /// of hit.point is never brighter than something that is on this side of all walls; directions
     /// partly in front, partly behind count as black. A voxel's unexposed face is black.
     Rgb seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level) const;
+    /// Whether the ancestor is divided in the direction of the face that was met.
     bool divided(const VoxelTree& tree, const Hit& hit, int level) const {
-        if (level == 0) return false;
+        if (level <= 0) return false;
         const ColorIndex at = color_index(tree, hit, level);
-        return this->level(at.array).divided[at.index] != 0;
+        const int face = probebake::index_of(hit.entry_face);
+        return ((this->level(at.array).divided[at.index] >> face) & 1u) != 0;
     }
 
     uint64_t face_count() const { return voxels.values.size(); }

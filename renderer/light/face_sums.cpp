@@ -28,14 +28,24 @@ void add_region(std::vector<RegionLight>& regions, const RegionLight& added) {
     if (same == regions.end()) {
         regions.push_back(added);
     } else {
+        same->faces = static_cast<uint8_t>(same->faces | added.faces);
         same->brightest = std::max(same->brightest, added.brightest);
     }
 }
 
-float dimmest_of(std::span<const RegionLight> regions) {
-    float dimmest = std::numeric_limits<float>::infinity();
-    for (const RegionLight& region : regions) dimmest = std::min(dimmest, region.brightest);
-    return dimmest;
+/// Whether a region lies before a side of a node.
+bool lies_before(const AirRegions& air, int region, const IVec3& corner, int edge, int face) {
+    const int axis = face / 2;
+    IVec3 at = corner;
+    at[axis] += face % 2 == 0 ? edge : -1;
+    for (int j = 0; j < edge; ++j) {
+        for (int i = 0; i < edge; ++i) {
+            at[(axis + 1) % 3] = corner[(axis + 1) % 3] + i;
+            at[(axis + 2) % 3] = corner[(axis + 2) % 3] + j;
+            if (air.of(at) == region) return true;
+        }
+    }
+    return false;
 }
 
 }  // namespace
@@ -43,15 +53,32 @@ float dimmest_of(std::span<const RegionLight> regions) {
 void FaceSums::add(const FaceSums& other) {
     for (size_t f = 0; f < kFaceCount; ++f) groups[f].add(other.groups[f]);
     for (const RegionLight& region : other.regions) add_region(regions, region);
-    brightest = std::max(brightest, other.brightest);
-    dimmest = regions.empty() ? std::min(dimmest, other.dimmest) : dimmest_of(regions);
+    dimmest = std::min(dimmest, other.dimmest);
 }
 
 void FaceSums::leave_block() {
-    bool any = false;
-    for (const Group& group : groups) any = any || group.count > 0;
-    if (regions.empty() && any) dimmest = brightest;
+    if (regions.empty()) {
+        for (const Group& group : groups) {
+            if (group.count > 0) add_region(regions, {0, 0, group.brightest});
+        }
+    }
+    for (const RegionLight& region : regions) dimmest = std::min(dimmest, region.brightest);
     regions.clear();
+}
+
+uint8_t divided_faces(const FaceSums& sums, const IVec3& corner, int edge, const AirRegions* air) {
+    unsigned divided = 0;
+    for (int face = 0; face < kFaceCount; ++face) {
+        const float much_darker = kDividedRatio * sums.groups[static_cast<size_t>(face)].brightest;
+        bool misleads = sums.dimmest < much_darker;
+        for (const RegionLight& region : sums.regions) {
+            if (!(region.brightest < much_darker)) continue;
+            misleads = misleads || ((region.faces >> face) & 1u) != 0 ||
+                       lies_before(*air, region.region, corner, edge, face);
+        }
+        if (misleads) divided |= 1u << face;
+    }
+    return static_cast<uint8_t>(divided);
 }
 
 FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
@@ -66,13 +93,13 @@ FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
                                                   .count = 1,
                                                   .lit = color == Rgb(0.0f) ? 0u : 1u,
                                                   .darkest = luminance(color),
+                                                  .brightest = luminance(color),
                                                   .low = plane,
                                                   .high = plane};
-        sums.brightest = std::max(sums.brightest, luminance(color));
         if (region == nullptr) continue;
-        add_region(sums.regions, {(*region)[static_cast<size_t>(face)], luminance(color)});
+        add_region(sums.regions, {(*region)[static_cast<size_t>(face)],
+                                  static_cast<uint8_t>(1u << face), luminance(color)});
     }
-    sums.dimmest = dimmest_of(sums.regions);
     return sums;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "light/air_regions.h"
 #include "light/face_colors.h"
 
 namespace probebake {
@@ -16,6 +17,7 @@ inline constexpr float kDividedRatio = 1.0f / 16.0f;
 /// The faces below a node that front one region of air (air_regions.h).
 struct RegionLight {
     int region = 0;
+    uint8_t faces = 0;       // bit f: some of direction f
     float brightest = 0.0f;  // luminance
 };
 
@@ -26,6 +28,7 @@ struct FaceSums {
         uint64_t count = 0;                                      // faces
         uint64_t lit = 0;                                        // of them: not black
         float darkest = std::numeric_limits<float>::infinity();  // least luminance
+        float brightest = 0.0f;
         int low = std::numeric_limits<int>::max();  // extent along the normal's axis, voxels
         int high = std::numeric_limits<int>::min();
 
@@ -34,6 +37,7 @@ struct FaceSums {
             count += other.count;
             lit += other.lit;
             darkest = std::min(darkest, other.darkest);
+            brightest = std::max(brightest, other.brightest);
             low = std::min(low, other.low);
             high = std::max(high, other.high);
         }
@@ -41,17 +45,18 @@ struct FaceSums {
     std::array<Group, kFaceCount> groups;
     /// Within a block of several regions; empty elsewhere.
     std::vector<RegionLight> regions;
-    /// Of the regions' brightest faces the darkest and the brightest; within a block of one region
-    /// the former is not set.
+    /// Above blocks: the brightest face of the region of which that is darkest.
     float dimmest = std::numeric_limits<float>::infinity();
-    float brightest = 0.0f;
 
     void add(const FaceSums& other);
-    /// Whether what is seen of the node depends on the region of air that it is seen from.
-    bool divided() const { return dimmest < kDividedRatio * brightest; }
     /// To be called for the sums of a block, whose regions nothing outside knows.
     void leave_block();
 };
+
+/// The face directions, a bit each, whose mean may mislead a ray that meets the node from there: it
+/// may come from air whose faces in the node are much darker. `air`: of the node's block; null for
+/// nodes above blocks, where any of the node's regions may be where the ray comes from.
+uint8_t divided_faces(const FaceSums& sums, const IVec3& corner, int edge, const AirRegions* air);
 
 /// The exposed faces of one voxel; region: of the air before each, where the block has several.
 FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
@@ -68,10 +73,10 @@ void write_means(FaceLevel& level, size_t node, const FaceSums& sums, const IVec
                  float scale);
 
 /// Adds up a 64-ary node of node level k at `corner` from child_sums(child index, child corner),
-/// and writes it and its octants.
+/// and writes it and its octants. `air`: as in divided_faces.
 template <class ChildSums>
 FaceSums add_up(const VoxelTree& tree, int k, uint32_t index, const IVec3& corner,
-                ChildSums& child_sums, FaceColors& out) {
+                const AirRegions* air, ChildSums& child_sums, FaceColors& out) {
     const VoxelNode& node = tree.nodes()[index];
     const int edge = 4 << (2 * k);
     uint32_t child = node.first_child;
@@ -87,11 +92,11 @@ FaceSums add_up(const VoxelTree& tree, int k, uint32_t index, const IVec3& corne
             sums.add(child_sums(
                 child++, octant_corner + IVec3(c & 1, (c >> 1) & 1, (c >> 2) & 1) * (edge / 4)));
         }
-        out.octants.divided[octant] = sums.divided() ? 1 : 0;
+        out.octants.divided[octant] = divided_faces(sums, octant_corner, edge / 2, air);
         write_means(out.octants, octant++, sums, octant_corner, edge / 2, out.scale);
         total.add(sums);
     }
-    out.nodes.divided[index] = total.divided() ? 1 : 0;
+    out.nodes.divided[index] = divided_faces(total, corner, edge, air);
     write_means(out.nodes, index, total, corner, edge, out.scale);
     return total;
 }

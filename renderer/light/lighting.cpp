@@ -138,7 +138,7 @@ class Stage {
                 const auto f = static_cast<size_t>(face);
                 if (((exposed >> face) & 1u) == 0) continue;
                 radiance[f] = face_radiance(index, light[index - first][f]);
-                regions[f] = air.of(beside(position - block.corner(), face));
+                regions[f] = air.of(beside(position, face));
             }
             const FaceSums sums =
                 voxel_faces(position, exposed, radiance, air.count() > 1 ? &regions : nullptr);
@@ -146,11 +146,11 @@ class Stage {
             return sums;
         };
         auto leaf_sums = [&](uint32_t index, const IVec3& corner) {
-            return add_up(tree_, 0, index, corner, voxel_sums, colors);
+            return add_up(tree_, 0, index, corner, &air, voxel_sums, colors);
         };
-        FaceSums sums = block_level(tree_) == 0
-                            ? leaf_sums(block.node(), block.corner())
-                            : add_up(tree_, 1, block.node(), block.corner(), leaf_sums, colors);
+        FaceSums sums = block_level(tree_) == 0 ? leaf_sums(block.node(), block.corner())
+                                                : add_up(tree_, 1, block.node(), block.corner(),
+                                                         &air, leaf_sums, colors);
         sums.leave_block();
         return sums;
     }
@@ -172,8 +172,9 @@ class Stage {
             auto child_sums = [&](uint32_t index, const IVec3&) -> const FaceSums& {
                 return below[index - first_below];
             };
-            sums[i] = add_up(tree_, k, first + static_cast<uint32_t>(i),
-                             morton_decode(codes[i]) * (4 << (2 * k)), child_sums, out_.colors);
+            sums[i] =
+                add_up(tree_, k, first + static_cast<uint32_t>(i),
+                       morton_decode(codes[i]) * (4 << (2 * k)), nullptr, child_sums, out_.colors);
         });
         return sums;
     }

@@ -71,24 +71,18 @@ Rgb FaceColors::seen(const VoxelTree& tree, const Vec3& direction, const Hit& hi
 }
 
 Rgb FaceColors::value_of(const VoxelTree& tree, const Hit& hit, int level) const {
-    const ColorIndex node = color_index(tree, hit, hit.level);
-    const FaceLevel& faces = this->level(node.array);
+    const ColorIndex own = color_index(tree, hit, hit.level);
     const int face = probebake::index_of(hit.entry_face);
-    if (!faces.exposes(node.index, face)) {
-        if (node.array == ColorIndex::Array::kVoxels) return Rgb(0.0f);
-        return darkest_in_front(faces, node.index, hit) * scale;
+    if (!this->level(own.array).exposes(own.index, face)) {
+        if (own.array == ColorIndex::Array::kVoxels) return Rgb(0.0f);
+        return darkest_in_front(this->level(own.array), own.index, hit) * scale;
     }
-    const size_t own = faces.index_of(node.index, face);
-    if (faces.values[own] == 0) return Rgb(0.0f);
-    PackedRgb value = faces.values[own];
-    if (level != hit.level) {
-        const ColorIndex above = color_index(tree, hit, level);
-        const FaceLevel& faces_above = this->level(above.array);
-        value = faces_above.values[faces_above.index_of(above.index, face)];
-    }
+    const ColorIndex node = color_index(tree, hit, level);
+    const FaceLevel& faces = this->level(node.array);
+    const size_t at = faces.index_of(node.index, face);
     const float share =
-        faces.groups.empty() ? 1.0f : static_cast<float>(faces.groups[own].share) / FaceGroup::kAll;
-    return unpack_rgb(value) * (scale * share);
+        faces.groups.empty() ? 1.0f : static_cast<float>(faces.groups[at].share) / FaceGroup::kAll;
+    return unpack_rgb(faces.values[at]) * (scale * share);
 }
 
 }  // namespace probebake

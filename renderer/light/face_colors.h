@@ -5,8 +5,7 @@
 // and their share: value × share is the mean over all, each counting alike (the same voxel area),
 // so that radiance times area adds up to the same at every level.
 //
-// Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside, and a ray
-// that meets black faces shows black whatever the ancestor whose colour it takes.
+// Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside.
 //
 // A node is divided in a face direction where a ray may meet that side of it from two sides of a
 // wall, in light that differs by more than 1 : 16: floor of a closed room and sunlit ground
@@ -89,8 +88,7 @@ struct FaceColors {
     }
 
     /// What a ray of this direction sees of a hit in the colours of its ancestor at octree level
-    /// `level` (hit.level: the node hit itself): the ancestor's value times the share of the node
-    /// hit.
+    /// `level` (hit.level: the node hit itself): the mean over its faces of the direction met.
     ///
     /// A divided ancestor gives way to the next below it. A divided node that was hit is shown as
     /// the first undivided one that the ray meets from there on: that stands in the ray's own air.

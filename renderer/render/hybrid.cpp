@@ -61,7 +61,7 @@ HybridStage hybrid_stage(const RenderScene& scene, const View& view, int x, int 
             out.cost.keep(hit);
             out.level = static_cast<int8_t>(hit.level);
             const Vec3& direction = cast.ray.direction;
-            const Rgb color = shade(scene, direction, hit);
+            const Rgb color = shade_at(scene, direction, leaf, hit.level);
             out.sums.add(color, hit.t, scene.range.t_max, weight);
             if (stage > 1) continue;
             out.node_error += weight * hit_error(scene, direction, node, kThesisDecay);

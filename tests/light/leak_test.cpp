@@ -62,7 +62,7 @@ TEST(Leaks, AClosedRoomInFullDayIsExactlyBlackInside) {
                                     .background = Rgb(1.0f),
                                     .lit = &lit.colors};
             int lit_outside = 0;
-            for (int i = 0; i < 4000; ++i) {
+            for (int i = 0; i < 2000; ++i) {
                 const Vec3 origin = random_inner_point(room, random);
                 const Vec3 direction =
                     i % 8 == 0 ? test::random_axis(random) : test::random_direction(random);
@@ -84,7 +84,7 @@ TEST(Leaks, AClosedRoomInFullDayIsExactlyBlackInside) {
                     ASSERT_EQ(shade_at(scene, direction, leaf, level), Rgb(0.0f)) << level;
                 }
             }
-            EXPECT_GT(lit_outside, 200);
+            EXPECT_GT(lit_outside, 100);
         }
     }
 }
@@ -114,7 +114,7 @@ TEST(Leaks, EveryRendererShowsTheRoomBlack) {
                 .tree = tree, .color = tree.colors().albedo, .lit = &lit.colors, .sky = &bright};
             const Vec3 origin = random_inner_point(room, random);
             for (const RenderSettings& settings : all) {
-                for (const int n : {4, 12}) {  // the fewer pixels, the coarser their nodes
+                for (const int n : {4, 8}) {  // the fewer pixels, the coarser their nodes
                     const CubemapRender cube = render_cubemap(scene, origin, n, settings, cancel);
                     for (const Rgb& pixel : cube.color.image().pixels()) {
                         ASSERT_EQ(pixel, Rgb(0.0f)) << name_of(settings.kind) << ", level "

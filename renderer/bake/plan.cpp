@@ -56,10 +56,8 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     plan.work_units = job.probes.size() * job.states.size();
     plan.texels = texel_count(job);
     plan.scene_bytes = scene.tree.memory_bytes();
-    for (size_t i = 0; i < job.states.size(); ++i) {
-        check_sky_file(scene, job, i);
-        if (job.states[i].lit()) plan.light_bytes += expected_light_bytes(scene);
-    }
+    for (size_t i = 0; i < job.states.size(); ++i) check_sky_file(scene, job, i);
+    plan.light_bytes = expected_light_bytes(scene, job);
 
     int largest = 0;
     for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
@@ -91,7 +89,8 @@ Json write_plan(const Plan& plan) {
                  {"memory",
                   {{"scene_bytes", plan.scene_bytes},
                    {"light_bytes", plan.light_bytes},
-                   {"bytes_per_work_unit", plan.bytes_per_unit}}},
+                   {"bytes_per_work_unit", plan.bytes_per_unit},
+                   {"total_bytes", plan.scene_bytes + plan.light_bytes + plan.bytes_per_unit}}},
                  {"output_bytes_at_most", plan.output_bytes},
                  {"left_out", Json::array()},
                  {"warnings", plan.warnings}};

@@ -29,7 +29,7 @@ struct Plan {
     uint64_t work_units = 0;  // probes × states
     uint64_t texels = 0;
     uint64_t scene_bytes = 0;     // tree and colours, shared by all jobs on the scene
-    uint64_t light_bytes = 0;     // of all lit states together, expected
+    uint64_t light_bytes = 0;     // of all lit states together, expected (all are held at once)
     uint64_t bytes_per_unit = 0;  // largest work unit while it is rendered and encoded
     uint64_t output_bytes = 0;    // at most: uncompressed products
 };

@@ -104,7 +104,7 @@ void cast_stage(const HybridCast& cast, HybridPixel& pixel) {
         }
         pixel.cost.keep(hit);
         const Vec3& direction = ray.ray.direction;
-        const Rgb color = shade(scene, direction, hit);
+        const Rgb color = shade_at(scene, direction, leaf, hit.level);
         pixel.sums.add(color, hit.t, scene.range.t_max, 1.0);
         if (stage > 1) continue;
         node_error += hit_error(scene, direction, node, kThesisDecay) / rays;

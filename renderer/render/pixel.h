@@ -70,7 +70,7 @@ struct ReplayedPixel {
 /// node hit itself); for a miss, what lies behind the world.
 inline Rgb shade_at(const RenderScene& scene, const Vec3& direction, const Hit& hit, int level) {
     if (!hit) return scene.sky != nullptr ? scene.sky->radiance(direction) : scene.background;
-    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, hit, level);
+    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, direction, hit, level);
     if (scene.color.empty()) return Rgb(0.0f);
     return scene.color[color_index(scene.tree, hit, level)];
 }

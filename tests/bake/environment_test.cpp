@@ -55,9 +55,12 @@ class EnvironmentTest : public testing::Test {
                     bool all_hit = true;
                     double lowest = 1e9;
                     double highest = 0.0;
-                    for (int i = 0; i < 256; ++i) {
-                        const Ray ray = pixel_ray(view, x - 0.5 + (i % 16 + 0.5) / 16.0,
-                                                  y - 0.5 + (i / 16 + 0.5) / 16.0)
+                    // A little beyond the footprint, and finer than that margin: what the rays
+                    // between these could still hit.
+                    for (int i = 0; i < kGrid * kGrid; ++i) {
+                        const int row = i / kGrid;
+                        const Ray ray = pixel_ray(view, x - 0.6 + 1.2 * (i % kGrid + 0.5) / kGrid,
+                                                  y - 0.6 + 1.2 * (row + 0.5) / kGrid)
                                             .ray;
                         const bool hit = static_cast<bool>(trace(scene_.tree, ray));
                         all_miss = all_miss && !hit;
@@ -81,6 +84,7 @@ class EnvironmentTest : public testing::Test {
         EXPECT_GT(lit, 100) << file;
     }
 
+    static constexpr int kGrid = 24;
     static constexpr double kScale = 20.0;
     Scene scene_ = test::small_scene();
     CancelToken cancel_;

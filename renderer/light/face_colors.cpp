@@ -58,12 +58,13 @@ Rgb darkest_in_front(const FaceLevel& faces, size_t node, const Hit& hit) {
 
 }  // namespace
 
-Rgb FaceColors::seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit,
-                     int level) const {
+Rgb FaceColors::seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level,
+                     uint32_t& steps) const {
     if (divided(tree, hit, hit.level)) {
         UndividedRule rule(*this, tree);
         const Hit finer = trace(tree, {hit.point, direction}, {.fixed_level = hit.level - 1},
                                 {.t_min = -kBackwards}, rule);
+        steps += finer.steps;
         return finer ? value_of(tree, finer, finer.level) : value_of(tree, hit, hit.level);
     }
     while (level > hit.level && divided(tree, hit, level)) --level;

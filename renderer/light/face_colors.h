@@ -100,7 +100,9 @@ struct FaceColors {
     /// enters one through such a face. So the least of the darkest faces of the directions in front
     /// of hit.point is never brighter than something that is on this side of all walls; directions
     /// partly in front, partly behind count as black. A voxel's unexposed face is black.
-    Rgb seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level) const;
+    /// The steps of that ray are added to `steps`.
+    Rgb seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level,
+             uint32_t& steps) const;
     /// Whether the ancestor is divided in the direction of the face that was met.
     bool divided(const VoxelTree& tree, const Hit& hit, int level) const {
         if (level <= 0) return false;

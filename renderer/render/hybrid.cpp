@@ -94,22 +94,25 @@ void cast_stage(const HybridCast& cast, HybridPixel& pixel) {
         const Vec2 place = place_of(cast, stage, i);
         const PixelRay ray = pixel_ray(cast.view, cast.x + place.x, cast.y + place.y, footprint_px);
         const LevelOfDetail lod{.cone = ray.cone};
-        const auto [leaf, node] = from != nullptr
-                                      ? trace_through(scene.tree, *from, ray.ray, lod, scene.range)
-                                      : trace_through(scene.tree, ray.ray, lod, scene.range);
+        auto [leaf, node] = from != nullptr
+                                ? trace_through(scene.tree, *from, ray.ray, lod, scene.range)
+                                : trace_through(scene.tree, ray.ray, lod, scene.range);
         Hit hit = leaf;  // and from here on the node that is shown, on the leaf's path
         if (hit) {
             const int level = shown_level(hit, ray.cone, scene.tree.depth());
             hit.level = std::max(0, level - scene.finer_levels);
         }
-        pixel.cost.keep(hit);
         const Vec3& direction = ray.ray.direction;
         const Rgb color = shade_at(scene, direction, leaf, hit.level);
+        hit.steps = leaf.steps;
+        pixel.cost.keep(hit);
         pixel.sums.add(color, hit.t, scene.range.t_max, 1.0);
         if (stage > 1) continue;
         node_error += hit_error(scene, direction, node, kThesisDecay) / rays;
         children_variance += child_variance(scene, hit, color) / rays;
+        node.steps = 0;  // of the walk that both have
         passed_contrast += squared_difference(shade(scene, direction, node), color) / rays;
+        pixel.cost.steps += node.steps;
     }
     const auto s = static_cast<size_t>(stage);
     const PixelSums& sums = pixel.sums;

@@ -65,9 +65,9 @@ PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y
                         CostStats& stats, const LevelOfDetail& lod) {
     PixelSums sums;
     const double weight = 1.0 / (grid * grid);
-    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, const Hit& hit) {
-        stats.keep(hit);
+    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, Hit hit) {
         sums.add(shade(scene, direction, hit), hit.t, scene.range.t_max, weight);
+        stats.keep(hit);
     });
     return sums;
 }
@@ -78,10 +78,10 @@ PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,
     const LevelOfDetail lod = settings.fixed_level
                                   ? LevelOfDetail{.fixed_level = *settings.fixed_level}
                                   : LevelOfDetail{.cone = cast.cone};
-    const Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
-    stats.keep(hit);
+    Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
     PixelSums sums;
     sums.add(shade(scene, cast.ray.direction, hit), hit.t, scene.range.t_max, 1.0);
+    stats.keep(hit);
     return sums;
 }
 
@@ -94,9 +94,9 @@ Rgb stratified_pixel(const RenderScene& scene, const View& view, int x, int y, i
             const double v = random.uniform();
             const PixelRay cast =
                 pixel_ray(view, x - 0.5 + (i + u) / side, y - 0.5 + (j + v) / side);
-            const Hit hit = trace(scene.tree, from, cast.ray, scene.range);
-            stats.keep(hit);
+            Hit hit = trace(scene.tree, from, cast.ray, scene.range);
             sum += Vec3(shade(scene, cast.ray.direction, hit));
+            stats.keep(hit);
         }
     }
     return Rgb(sum / static_cast<double>(side * side));

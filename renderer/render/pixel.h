@@ -67,17 +67,22 @@ struct ReplayedPixel {
 };
 
 /// What a ray of this direction shows of the hit's ancestor at octree level `level` (hit.level: the
-/// node hit itself); for a miss, what lies behind the world.
-inline Rgb shade_at(const RenderScene& scene, const Vec3& direction, const Hit& hit, int level) {
+/// node hit itself); for a miss, what lies behind the world. The steps that it takes to know are
+/// added to the hit's (FaceColors::seen).
+inline Rgb shade_at(const RenderScene& scene, const Vec3& direction, Hit& hit, int level) {
     if (!hit) return scene.sky != nullptr ? scene.sky->radiance(direction) : scene.background;
-    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, direction, hit, level);
+    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, direction, hit, level, hit.steps);
     if (scene.color.empty()) return Rgb(0.0f);
     return scene.color[color_index(scene.tree, hit, level)];
 }
 
 /// The same of the node hit.
-inline Rgb shade(const RenderScene& scene, const Vec3& direction, const Hit& hit) {
+inline Rgb shade(const RenderScene& scene, const Vec3& direction, Hit& hit) {
     return shade_at(scene, direction, hit, hit.level);
+}
+/// The same, uncounted.
+inline Rgb shade(const RenderScene& scene, const Vec3& direction, Hit&& hit) {
+    return shade(scene, direction, hit);
 }
 
 /// A ray through a pixel and its cone: the largest node edge per distance that the footprint

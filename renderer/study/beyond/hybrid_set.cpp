@@ -246,7 +246,7 @@ Image nested_truth(const RenderScene& scene, const FaceView& at) {
             for (uint32_t i = 0; i < kTruthRays; ++i) {
                 const Vec2 place = owen_sobol(i, key) - Vec2(0.5);
                 const PixelRay ray = pixel_ray(at.view, x + place.x, y + place.y);
-                const Hit hit = trace(scene.tree, from, ray.ray, scene.range);
+                Hit hit = trace(scene.tree, from, ray.ray, scene.range);
                 sum += Vec3(shade(scene, ray.ray.direction, hit));
             }
             image.at(x, y) = Rgb(sum / double{kTruthRays});

@@ -252,6 +252,19 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
     return {{.kind = RendererKind::kLod}, given, {.kind = RendererKind::kReference}};
 }
 
+/// One leaf ray per pixel, then finer grids for probes that miss the target. Errors in units of
+/// what one ray leaves: the interval of an audit that costs a share of its render shrinks like the
+/// root of the rays.
+void begin_with_one_ray(Pilot& pilot) {
+    constexpr std::array kFiner = {2, 3, 4, 8, 16};
+    pilot.settings = {.kind = RendererKind::kReference, .leaf_grid = 1};
+    pilot.settings_mse = 1.0;
+    for (const int grid : kFiner) {
+        pilot.finer.push_back(
+            {{.kind = RendererKind::kReference, .leaf_grid = grid}, 1.0 / (grid * grid)});
+    }
+}
+
 }  // namespace
 
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
@@ -270,6 +283,8 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     if (state.spec == LightingState::kEmission && !scene.emits()) {
         pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast
         measured = {pilot.settings};
+    } else if (plan.leaf_rays_only) {
+        begin_with_one_ray(pilot);
     } else if (plan.needs_pilot) {
         const auto [frontier, chosen] = Search(job, plan, pixels, time, out_of_time).run(pilot);
         measured = curve_settings(frontier, chosen, pilot.settings);

@@ -34,12 +34,18 @@ PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState stat
     const QualityTarget& target = job.quality.target;
     const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
                           target.metric == QualityTarget::Metric::kRmse;
+    if (wants_leaf_rays_only(job)) {  // all that is wanted of the sample is the exposure
+        truth_grid_ = irradiance_truth_grid(1);
+        if (!job.quality.exposure) cast_truth();
+        set_exposure();
+        return;
+    }
     for (const int grid : kTruthGrids) {
         truth_grid_ = grid;
         cast_truth();
         set_exposure();
         if (!of_error || job.quality.against == Against::kReference) break;
-        if (truth_noise() <= kTruthNoiseShare * largest_mse(target)) break;
+        if (truth_noise() <= kTruthNoiseShare * largest_square(target)) break;
     }
 }
 

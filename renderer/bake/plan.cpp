@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bake/job_names.h"
 #include "bake/state_light.h"
 #include "image/cubemap.h"
 #include "render/render.h"
@@ -12,7 +13,9 @@ namespace {
 /// Everything of a job that no state, product or target asks for.
 std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan& plan) {
     std::vector<LeftOut> out;
-    const auto leave = [&](const char* what, const char* why) { out.push_back({what, why}); };
+    const auto leave = [&](std::string what, const char* why) {
+        out.push_back({std::move(what), why});
+    };
     const bool emission_asked =
         std::any_of(job.states.begin(), job.states.end(), [](const LightingState& state) {
             return state.kind == LightingState::Kind::kEmission || (state.lit() && state.emission);
@@ -26,9 +29,20 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         leave("emission colours", "no lighting state shows emission");
     }
     if (!plan.needs_error_table) leave("error table", "no renderer of this job looks at it");
-    if (!plan.needs_pilot) leave("quality search", "the job brings its own settings");
+    if (plan.leaf_rays_only) {
+        leave("quality search", "irradiance begins with one ray per pixel: nothing is cheaper");
+        leave("refinement ladder",
+              "the target is irradiance: errors of single pixels average out over the sphere");
+        leave("LOD colours", "leaf rays show voxels");
+        leave("curve", "a sample of pixels does not tell the irradiance's error");
+    } else if (!plan.needs_pilot) {
+        leave("quality search", "the job brings its own settings");
+    }
     if (!plan.needs_audit) leave("audit", "the job asks for no evidence");
-    if (!job.aux) leave("aux file", "products do not name it");
+    for (size_t i = 0; i < kProductNames.size(); ++i) {
+        if (job.products.*kProductFlags[i]) continue;
+        leave(std::string(kProductNames[i]) + " file", "products do not name it");
+    }
     if (job.quality.target.metric != QualityTarget::Metric::kSsim) {
         leave("SSIM audit", "the target is another metric; SSIM costs whole windows of pixels");
     }
@@ -39,7 +53,10 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
 
 Plan make_plan(const Scene& scene, const JobSpec& job) {
     Plan plan;
-    if (job.quality.renderer) {
+    plan.leaf_rays_only = wants_leaf_rays_only(job);
+    if (plan.leaf_rays_only) {
+        plan.renderers = {RendererKind::kReference};
+    } else if (job.quality.renderer) {
         plan.renderers = {*job.quality.renderer};
     } else {
         // The hybrid's colours are nearer to the truth than 4 × 4 leaf rays are: not what a job
@@ -50,7 +67,7 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     }
     plan.needs_error_table = plan.renderers.front() == RendererKind::kErrorAware ||
                              plan.renderers.front() == RendererKind::kHybrid;
-    plan.needs_pilot = !job.quality.settings;
+    plan.needs_pilot = !job.quality.settings && !plan.leaf_rays_only;
     plan.needs_audit = job.quality.evidence.audit;
     plan.left_out = unneeded(scene, job, plan);
     plan.work_units = job.probes.size() * job.states.size();
@@ -64,9 +81,12 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     const uint64_t unit_texels =
         6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
     // The render (twice while faces become a cube), the values as written, and the encoded files.
-    plan.bytes_per_unit = unit_texels * (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) +
-                                         3 * sizeof(float) + (job.aux ? 6 * sizeof(float) : 0));
-    plan.output_bytes = plan.texels * (3 * 2 + (job.aux ? 6 * 4 : 0)) + plan.work_units * 4096;
+    plan.bytes_per_unit =
+        unit_texels * (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
+                       (job.products.aux ? 6 * sizeof(float) : 0));
+    plan.output_bytes =
+        plan.texels * ((job.products.cube ? 3 * 2 : 0) + (job.products.aux ? 6 * 4 : 0)) +
+        plan.work_units * 4096;
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;

@@ -22,7 +22,8 @@ struct Plan {
     /// Renderers that the search may choose from; one where the client chose.
     std::vector<RendererKind> renderers;
     bool needs_error_table = false;
-    bool needs_pilot = false;
+    bool leaf_rays_only = false;  // one per pixel to begin with; nothing is searched
+    bool needs_pilot = false;     // to search settings
     bool needs_audit = false;
     std::vector<LeftOut> left_out;
     std::vector<std::string> warnings;

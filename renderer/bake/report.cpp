@@ -42,6 +42,11 @@ Json write_error(const MeasuredError& error, double confidence) {
     if (error.mse.nothing_found()) {
         json["share_of_wrong_pixels_at_most"] = unseen_share(error.mse.samples, confidence);
     }
+    if (error.irradiance) {
+        const Interval interval = error.irradiance->interval(confidence);
+        json["irradiance_rel"] = error.irradiance->value();
+        json["irradiance_rel_interval"] = {interval.low, interval.high};
+    }
     if (error.ssim) {
         const Interval interval = error.ssim->interval(confidence);
         json["ssim"] = error.ssim->value;
@@ -198,6 +203,10 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
         if (result.state.id != state.id) continue;
         const MeasuredError& error = result.certificate.error;
         pooled.mse.add(weight, error.mse);
+        if (error.irradiance) {
+            if (!pooled.irradiance) pooled.irradiance = NormEstimate{};
+            pooled.irradiance->add(weight, *error.irradiance);
+        }
         if (!error.ssim) continue;
         if (!pooled.ssim) pooled.ssim = Estimate{};
         pooled.ssim->add(weight, *error.ssim);

@@ -17,9 +17,10 @@ Rgb leaf_ray(const RenderScene& scene, const View& view, int x, int y, RandomStr
     const double u = random.uniform();
     const double v = random.uniform();
     const Ray ray = pixel_ray(view, x - 0.5 + u, y - 0.5 + v).ray;
-    const Hit hit = trace(scene.tree, ray, LevelOfDetail{}, scene.range);
+    Hit hit = trace(scene.tree, ray, LevelOfDetail{}, scene.range);
+    const Rgb color = shade(scene, ray.direction, hit);
     stats.keep(hit);
-    return shade(scene, ray.direction, hit);
+    return color;
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ TEST(LightingState, AMissShowsTheSkyAndAHitItsLight) {
     const RenderScene what = render_scene(scene, job.probes[0], state);
     const Vec3 up(0.0, 1.0, 0.0);
     EXPECT_EQ(shade(what, up, Hit{}), Rgb(10.0f, 20.0f, 30.0f));
-    const Hit ground = trace(scene.tree, {test::kSmallWorldProbe, -up});
+    Hit ground = trace(scene.tree, {test::kSmallWorldProbe, -up});
     ASSERT_TRUE(ground);
     EXPECT_GT(luminance(shade(what, -up, ground)), 1.0f);
     EXPECT_GT(state.light->cost.sun_rays, 0u);
@@ -197,7 +197,7 @@ TEST(LightingState, OneValuePerVoxelIsRenderedLikeAColour) {
     const ReadyState state = light_state(scene, job, 0, CancelToken());
     const RenderScene what = render_scene(scene, job.probes[0], state);
     EXPECT_EQ(what.lit, nullptr);
-    const Hit ground = trace(scene.tree, {test::kSmallWorldProbe, {0.0, -1.0, 0.0}});
+    Hit ground = trace(scene.tree, {test::kSmallWorldProbe, {0.0, -1.0, 0.0}});
     ASSERT_TRUE(ground);
     // The same whichever face is met.
     Hit from_below = ground;

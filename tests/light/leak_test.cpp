@@ -67,19 +67,18 @@ TEST(Leaks, AClosedRoomInFullDayIsExactlyBlackInside) {
                 const Vec3 direction =
                     i % 8 == 0 ? test::random_axis(random) : test::random_direction(random);
                 for (int level = 0; level <= 6; ++level) {
-                    const Hit hit = trace(tree, {origin, direction}, {.fixed_level = level});
+                    Hit hit = trace(tree, {origin, direction}, {.fixed_level = level});
                     ASSERT_TRUE(hit);
                     ASSERT_EQ(shade(scene, direction, hit), Rgb(0.0f))
                         << "level " << hit.level << ", ground " << ground.value_or(-99);
                     const Vec3 from_outside = Vec3(32.0) - direction * 200.0;
-                    const Hit outside = trace(tree, {from_outside, direction}, {}, {});
+                    Hit outside = trace(tree, {from_outside, direction}, {}, {});
                     if (outside && luminance(shade(scene, direction, outside)) > 0) ++lit_outside;
                 }
-                const Hit coarse =
-                    trace(tree, {origin, direction}, {.cone = 0.3 * random.uniform()});
+                Hit coarse = trace(tree, {origin, direction}, {.cone = 0.3 * random.uniform()});
                 ASSERT_EQ(shade(scene, direction, coarse), Rgb(0.0f));
                 // As the leaf's ancestors show it.
-                const Hit leaf = trace(tree, {origin, direction});
+                Hit leaf = trace(tree, {origin, direction});
                 for (int level = 0; level <= 6; ++level) {
                     ASSERT_EQ(shade_at(scene, direction, leaf, level), Rgb(0.0f)) << level;
                 }
@@ -157,7 +156,7 @@ TEST(Leaks, OneValuePerVoxelGlowsInsideWhereOnePerFaceDoesNot) {
     const RenderScene ours{.tree = tree, .color = tree.colors().albedo, .lit = &lit.colors};
     const Vec3 out(1.0, 0.0, 0.0);
     for (int level = 0; level <= 3; ++level) {
-        const Hit inside = trace(tree, {{20.0, 32.3, 32.7}, out}, {.fixed_level = level});
+        Hit inside = trace(tree, {{20.0, 32.3, 32.7}, out}, {.fixed_level = level});
         ASSERT_TRUE(inside);
         // A wall's voxel has two exposed faces, one of them in the sun.
         EXPECT_NEAR(shade(thesis, out, inside).r, 0.5 / 3.14159265 * 1000.0 / 2.0, 1.0) << level;
@@ -173,10 +172,10 @@ TEST(Leaks, AOneVoxelWallIsBrightOutsideAndDarkInsideAtEveryLevel) {
     const Vec3 in(-1.0, 0.0, 0.0);
     const Vec3 out(1.0, 0.0, 0.0);
     for (int level = 0; level <= 4; ++level) {
-        const Hit outside = trace(tree, {{100.0, 32.3, 32.7}, in}, {.fixed_level = level});
+        Hit outside = trace(tree, {{100.0, 32.3, 32.7}, in}, {.fixed_level = level});
         EXPECT_EQ(outside.level, level);
         EXPECT_NEAR(shade(scene, in, outside).r, 0.5 / 3.14159265 * 1000.0, 1.0);
-        const Hit inside = trace(tree, {{20.0, 32.3, 32.7}, out}, {.fixed_level = level});
+        Hit inside = trace(tree, {{20.0, 32.3, 32.7}, out}, {.fixed_level = level});
         EXPECT_EQ(shade(scene, out, inside), Rgb(0.0f));
     }
 }
@@ -195,7 +194,7 @@ TEST(Leaks, OpenGroundStaysBrightWhereNodesAreEnteredFromTheSide) {
         direction.y = -0.2 * std::abs(direction.y) - 0.01;
         direction = glm::normalize(direction);
         const Ray ray{Vec3(32.0, 20.0, 32.0), direction};
-        const Hit hit = trace(tree, ray, {.cone = 0.2 * random.uniform()});
+        Hit hit = trace(tree, ray, {.cone = 0.2 * random.uniform()});
         if (!hit || hit.corner.x <= 0 || hit.corner.z <= 0 || hit.corner.x >= 56 ||
             hit.corner.z >= 56) {
             continue;

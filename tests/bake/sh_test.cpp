@@ -204,7 +204,7 @@ TEST_F(ShTest, AProbeWhoseBoundMissesTheTargetGetsFinerGrids) {
               Verdict::kUnreachable);
     // A limit of rays is kept, and the verdict says that it stood in the way.
     JobSpec limited = sh_job(0.001);
-    limited.budget.rays = 2 * 5 * owned_pixel_count(16);
+    limited.budget.rays = uint64_t{2} * 5 * owned_pixel_count(16);
     const ProbeResult poor = bake_probe(scene_, limited, other, {.probe = 0}, cancel_);
     EXPECT_LE(poor.render_cost().all_rays(), 5 * owned_pixel_count(16));
     EXPECT_EQ(judge(limited, other, poor, poor.certificate.error).verdict,

@@ -267,20 +267,20 @@ Vec3 coefficient(const std::string& shown, const std::string& name) {
 // Filament's spherical harmonics of our latlong, mirrored as is its default: as --sh-shader scales
 // them, 0.5 + 0.5 d has 1/2 in L00 and 1/3 in L11.r, L1-1.g and L10.b. A latlong turned or mirrored
 // has not. (It takes pixels to lie at texel centres, which turns the map by up to half a pixel:
-// that is what the others may be off.)
+// that is what the others may be off. At N = 16 interpolation shortens a third by 0.002.)
 TEST_F(LayoutTools, CmgenFindsTheSphericalHarmonics) {
     SKIP_WITHOUT("cmgen");
-    for (const auto& [n, others] :
-         {std::pair{16, 0.03}, std::pair{64, 0.01}, std::pair{512, 0.002}}) {
+    for (const auto& [n, first, others] : {std::tuple{16, 0.003, 0.03}, std::tuple{64, 0.001, 0.01},
+                                           std::tuple{512, 0.001, 0.002}}) {
         write("latlong.exr", latlong_of(test::direction_cubemap(n)), ExrLayout::kLatlong);
         const auto run = run_tool("cmgen --sh-shader --sh-window=no --sh=3 " + path("latlong.exr"));
         ASSERT_EQ(run.status, 0) << run.text;
         const Vec3 l11 = coefficient(run.text, "L11");
         const Vec3 l1m1 = coefficient(run.text, "L1-1");
         const Vec3 l10 = coefficient(run.text, "L10");
-        EXPECT_NEAR(l11.r, 0.3333, 0.001) << n;
-        EXPECT_NEAR(l1m1.g, 0.3333, 0.001) << n;
-        EXPECT_NEAR(l10.b, 0.3333, 0.001) << n;
+        EXPECT_NEAR(l11.r, 0.3333, first) << n;
+        EXPECT_NEAR(l1m1.g, 0.3333, first) << n;
+        EXPECT_NEAR(l10.b, 0.3333, first) << n;
         for (const double other : {l11.g, l11.b, l1m1.r, l1m1.b, l10.r, l10.g}) {
             EXPECT_NEAR(other, 0.0, others) << n << "\n" << run.text;
         }

@@ -7,6 +7,7 @@
 #include "bake/probe_view.h"
 #include "bake/sh_file.h"
 #include "image/exr.h"
+#include "image/layouts.h"
 #include "image/ssim.h"
 #include "io/sha256.h"
 
@@ -174,9 +175,17 @@ class Unit {
         result_.pixels = render_.pixels;
         const ProbeAttributes attributes = this->attributes();
         if (job_.products.cube) {
-            EncodedCubemap cube = encode_cubemap(render_.color, attributes);
-            result_.is_float = cube.is_float;
-            add_file("cube.exr", std::move(cube.bytes));
+            add_cubemap("cube.exr", encode_cubemap(render_.color, attributes));
+        }
+        if (job_.products.latlong) {
+            add_cubemap("latlong.exr",
+                        encode_layout(latlong_of(render_.color), ExrLayout::kLatlong, attributes));
+        }
+        for (const CubeFace face : kCubeFaces) {
+            if (!job_.products.gl_faces) break;
+            add_cubemap(
+                std::string(kGlFaceNames[static_cast<size_t>(index_of(face))]) + ".exr",
+                encode_layout(gl_face_of(render_.color, face), ExrLayout::kPlain, attributes));
         }
         if (job_.products.aux) add_file("aux.exr", encode_aux(aux(), attributes));
         if (job_.products.sh) {
@@ -196,6 +205,11 @@ class Unit {
                                   pixel.standard_error, static_cast<uint32_t>(pixel.samples)});
         }
         return aux;
+    }
+
+    void add_cubemap(std::string name, EncodedCubemap file) {
+        result_.is_float |= file.is_float;
+        add_file(std::move(name), std::move(file.bytes));
     }
 
     void add_file(std::string name, std::vector<std::byte> bytes) {

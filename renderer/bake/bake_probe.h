@@ -34,7 +34,7 @@ struct ProbeResult {
     CostStats earlier_renders;  // of the looks before
     Audit certificate;          // empty without audit
     CostStats decision_cost;    // of the audits that decided
-    bool is_float = false;      // a value did not fit into HALF
+    bool is_float = false;      // a value of a file did not fit into HALF
     bool inside_voxel = false;
     double far_m = 0.0;  // effective
     double wall_seconds = 0.0;

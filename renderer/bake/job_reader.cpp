@@ -192,7 +192,8 @@ class JobReader {
     /// Nothing but spherical harmonics: irradiance is what they are for.
     bool only_sh() const {
         const Products& products = spec_.products;
-        return products.sh && !products.cube && !products.aux;
+        return products.sh && !products.cube && !products.aux && !products.latlong &&
+               !products.gl_faces;
     }
 
     void read_quality() {

@@ -77,6 +77,8 @@ struct BudgetSpec {
 struct Products {
     bool cube = true;
     bool aux = false;
+    bool latlong = false;
+    bool gl_faces = false;
     bool sh = false;
 };
 

@@ -252,16 +252,16 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
     return {{.kind = RendererKind::kLod}, given, {.kind = RendererKind::kReference}};
 }
 
-/// One leaf ray per pixel, then finer grids for probes that miss the target. Errors in units of
-/// what one ray leaves: the interval of an audit that costs a share of its render shrinks like the
-/// root of the rays.
+/// One leaf ray per pixel, then finer grids for probes that miss the target. Squared errors in
+/// units of what one ray leaves: they fall like the variance of stratified means, and so does the
+/// square of an audit's interval that costs a share of its render (irradiance_truth_grid).
 void begin_with_one_ray(Pilot& pilot) {
     constexpr std::array kFiner = {2, 3, 4, 8, 16};
     pilot.settings = {.kind = RendererKind::kReference, .leaf_grid = 1};
     pilot.settings_mse = 1.0;
     for (const int grid : kFiner) {
         pilot.finer.push_back(
-            {{.kind = RendererKind::kReference, .leaf_grid = grid}, 1.0 / (grid * grid)});
+            {{.kind = RendererKind::kReference, .leaf_grid = grid}, 1.0 / (grid * grid * grid)});
     }
 }
 

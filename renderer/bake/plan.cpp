@@ -49,6 +49,17 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
     return out;
 }
 
+/// Of all files together, uncompressed; a latlong has 8 N² pixels where a cube has 6 N².
+uint64_t bytes_per_texel(const Products& products) {
+    constexpr uint64_t kHalfRgb = 6;
+    uint64_t bytes = 0;
+    if (products.cube) bytes += kHalfRgb;
+    if (products.aux) bytes += 6 * sizeof(float);
+    if (products.latlong) bytes += kHalfRgb * 4 / 3;
+    if (products.gl_faces) bytes += kHalfRgb;
+    return bytes;
+}
+
 }  // namespace
 
 Plan make_plan(const Scene& scene, const JobSpec& job) {
@@ -82,11 +93,10 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
         6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
     // The render (twice while faces become a cube), the values as written, and the encoded files.
     plan.bytes_per_unit =
-        unit_texels * (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
-                       (job.products.aux ? 6 * sizeof(float) : 0));
-    plan.output_bytes =
-        plan.texels * ((job.products.cube ? 3 * 2 : 0) + (job.products.aux ? 6 * 4 : 0)) +
-        plan.work_units * 4096;
+        unit_texels *
+        (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
+         (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
+    plan.output_bytes = plan.texels * bytes_per_texel(job.products) + plan.work_units * 16384;
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;

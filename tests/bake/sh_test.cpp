@@ -140,6 +140,23 @@ TEST_F(ShTest, TheFileSaysWhatItHoldsAndHowWrongItIs) {
     EXPECT_FALSE(sh_of(bake(read_job(request))).contains("error"));
 }
 
+TEST_F(ShTest, OtherLayoutsAreFilesOfTheirOwn) {
+    Json request = test::small_request(1, {{"rays", 20'000}});
+    request["products"] = {"latlong", "gl_faces"};
+    request["lighting_states"] = {"albedo"};
+    const ProbeResult result = bake(read_job(request));
+    std::vector<std::string> names;
+    for (const ProductFile& file : result.files) names.push_back(file.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"latlong.exr", "px.exr", "nx.exr", "py.exr",
+                                               "ny.exr", "pz.exr", "nz.exr"}));
+    EXPECT_FALSE(result.is_float);
+    EXPECT_EQ(bake(read_job(request)).files[0].sha256, result.files[0].sha256);
+    // The primary file's reader takes neither of them for a cube.
+    for (const ProductFile& file : result.files) {
+        EXPECT_THROW(decode_cubemap(file.bytes, file.name), IoError) << file.name;
+    }
+}
+
 TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     const JobSpec job = sh_job(0.5);
     const Plan plan = make_plan(scene_, job);
@@ -187,7 +204,7 @@ TEST_F(ShTest, AProbeWhoseBoundMissesTheTargetGetsFinerGrids) {
               Verdict::kUnreachable);
     // A limit of rays is kept, and the verdict says that it stood in the way.
     JobSpec limited = sh_job(0.001);
-    limited.budget.rays = 2 * 5 * owned_pixel_count(16);
+    limited.budget.rays = uint64_t{2} * 5 * owned_pixel_count(16);
     const ProbeResult poor = bake_probe(scene_, limited, other, {.probe = 0}, cancel_);
     EXPECT_LE(poor.render_cost().all_rays(), 5 * owned_pixel_count(16));
     EXPECT_EQ(judge(limited, other, poor, poor.certificate.error).verdict,

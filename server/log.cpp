@@ -16,7 +16,7 @@ spdlog::logger& logger() {
 }
 
 void write(spdlog::level::level_enum level, Json line) {
-    line["time"] = rfc3339(std::chrono::system_clock::now());
+    line["time"] = rfc3339(unix_ms_now());
     line["level"] = level == spdlog::level::info   ? "info"
                     : level == spdlog::level::warn ? "warning"
                                                    : "error";
@@ -45,6 +45,12 @@ void log_job(const JobSnapshot& job, const std::string& cause) {
     if (!cause.empty()) json["cause"] = cause;
     write(job.state == JobState::kFailed ? spdlog::level::err : spdlog::level::info,
           std::move(json));
+}
+
+void log_mend(const std::string& id, size_t units, const std::string& cause) {
+    Json json = {{"event", cause.empty() ? "mended" : "not-mended"}, {"id", id}, {"units", units}};
+    if (!cause.empty()) json["cause"] = cause;
+    write(cause.empty() ? spdlog::level::warn : spdlog::level::err, std::move(json));
 }
 
 void log_event(const std::string& event, const std::string& detail) {

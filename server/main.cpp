@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     add_scene_command(app, work);
     add_serve_command(app, work);
     add_study_command(app, work);
+    add_token_command(app, work);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

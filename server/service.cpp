@@ -3,40 +3,52 @@
 #include "log.h"
 
 namespace probebake {
-namespace {
 
-JobManager::Options with_log(JobManager::Options options) {
-    options.on_change = log_job;
-    return options;
+JobManager::Options Service::watched(const ServiceOptions& options) {
+    JobManager::Options jobs = options.jobs;
+    const bool log = options.log_requests;
+    jobs.on_change = [this, log](const JobSnapshot& job, const std::string& cause) {
+        metrics_.count_job(job);
+        if (log) log_job(job, cause);
+    };
+    jobs.on_mend = [this, log](const std::string& id, size_t units, const std::string& cause) {
+        metrics_.count_mended(units, cause.empty());
+        if (log) log_mend(id, units, cause);
+    };
+    return jobs;
 }
 
-}  // namespace
-
 Service::Service(const ServiceOptions& options)
-    : scenes_(options.scenes),
-      store_(options.data),
+    : tokens_(options.tokens ? Tokens(*options.tokens) : Tokens()),
+      scenes_(options.scenes),
+      store_(options.data, options.store),
       pool_(options.threads),
       cache_(pool_, options.cache),
-      jobs_(
-          pool_, store_,
-          [this](const SceneFile& file, const CancelToken& cancel) {
-              return cache_.get(file, cancel);
-          },
-          options.log_requests ? with_log(options.jobs) : options.jobs),
+      jobs_(pool_, store_, scene_source(), watched(options)),
       api_({.jobs = jobs_,
             .store = store_,
             .scenes = scenes_,
-            .load = [this](const SceneFile& file,
-                           const CancelToken& cancel) { return cache_.get(file, cancel); },
+            .load = scene_source().load,
+            .tokens = tokens_,
+            .metrics = metrics_,
             .threads = options.threads,
+            .max_waiting = static_cast<int>(options.http.pool.workers / 2),
             .max_body_bytes = options.http.guard.max_body_bytes}),
       http_(
           options.http,
           [this](const httplib::Request& request, httplib::Response& response) {
               api_.handle(request, response);
           },
-          options.log_requests ? HttpServer::Log(log_request)
-                               : HttpServer::Log([](const RequestLog&) {})) {}
+          [this, log = options.log_requests](const RequestLog& request) {
+              metrics_.count_request(request);
+              if (log) log_request(request);
+          }) {}
+
+SceneSource Service::scene_source() {
+    return {.find = [this](const std::string& name) { return scenes_.find(name); },
+            .load = [this](const SceneFile& file,
+                           const CancelToken& cancel) { return cache_.get(file, cancel); }};
+}
 
 Service::~Service() { drain(std::chrono::milliseconds(0)); }
 

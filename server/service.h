@@ -2,7 +2,7 @@
 //
 //   HttpServer ─► Api ─► JobManager ─► run_bake on the RenderPool
 //                  │         └─► SceneCache
-//                  └─► ArtifactStore, SceneLibrary
+//                  └─► JobStore, SceneLibrary
 #pragma once
 
 #include <filesystem>
@@ -21,6 +21,9 @@ struct ServiceOptions {
     SceneCache::Options cache;
     int threads = 1;
     JobManager::Options jobs;
+    JobStore::Options store;
+    /// Who may do what; without: whoever reaches the service may do everything.
+    std::optional<std::filesystem::path> tokens;
     bool log_requests = true;
 };
 
@@ -29,20 +32,27 @@ class Service {
     /// Listens when it returns. Throws IoError where a directory cannot be used, and what
     /// HttpServer throws.
     explicit Service(const ServiceOptions& options);
-    /// Cancels what still runs.
+    /// Stops what still runs; it goes on at the next start.
     ~Service();
 
     int port() const { return http_.port(); }
     bool listening() const { return http_.listening(); }
-    /// Refuses new jobs, gives running ones `grace` to end, then cancels them; status and files are
-    /// served until then. Scenes that still load are not waited for here, but by the destructor.
+    /// Refuses new jobs, gives running ones `grace` to end, then stops them where they are, to go
+    /// on at the next start; status and files are served until then. Scenes that still load are not
+    /// waited for here, but by the destructor.
     void drain(std::chrono::milliseconds grace);
     /// Ends the grace.
     void hurry() { jobs_.hurry(); }
 
   private:
+    SceneSource scene_source();
+
+    JobManager::Options watched(const ServiceOptions& options);
+
+    Tokens tokens_;
+    Metrics metrics_;
     SceneLibrary scenes_;
-    ArtifactStore store_;
+    JobStore store_;
     RenderPool pool_;
     SceneCache cache_;
     JobManager jobs_;

@@ -19,6 +19,7 @@ void add_client_commands(CLI::App& app, CommandWork& work);  // submit, list, st
 void add_preview_command(CLI::App& app, CommandWork& work);
 void add_scene_command(CLI::App& app, CommandWork& work);
 void add_serve_command(CLI::App& app, CommandWork& work);
+void add_token_command(CLI::App& app, CommandWork& work);
 void add_study_command(CLI::App& app, CommandWork& work);
 void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
 void add_beyond_command(CLI::App& study_app, CommandWork& work);

@@ -28,6 +28,8 @@ struct ServeOptions {
     std::vector<std::string> allow_hosts;
     double drain_seconds = 10.0;
     uint64_t keep_gib = 16;
+    uint64_t keep_days = 30;
+    uint64_t min_free_mib = 64;
     uint64_t scene_gib = 8;
     std::optional<std::filesystem::path> port_file;
     std::string config;
@@ -56,6 +58,8 @@ ServiceOptions service_options(const ServeOptions& options) {
     service.cache.tree_cache_dir = options.scenes.cache;
     service.cache.memory_budget_bytes = options.scene_gib << 30;
     service.jobs.keep_bytes = options.keep_gib << 30;
+    service.jobs.keep_time = std::chrono::hours(24 * options.keep_days);
+    service.store.min_free_bytes = options.min_free_mib << 20;
     service.http.guard.hosts.push_back(in_url(service.http.host));
     for (const std::string& host : options.allow_hosts) {
         service.http.guard.hosts.push_back(host);
@@ -86,7 +90,7 @@ class Signals {
 
 /// Ends what runs, within the grace; a second signal ends the grace.
 void drain(Service& service, const Signals& signals, double grace_seconds) {
-    log_event("draining", "no more jobs are taken; a second signal cancels those that run");
+    log_event("draining", "no more jobs are taken; a second signal stops those that run");
     const std::jthread second([&](const std::stop_token& stop) {
         while (!stop.stop_requested()) {
             if (signals.wait(std::chrono::milliseconds(50))) service.hurry();
@@ -173,11 +177,30 @@ void add_serve_command(CLI::App& app, CommandWork& work) {
     command->add_option("--keep-gib", options->keep_gib, "Files of finished jobs to keep, GiB")
         ->check(CLI::Range(0, 1 << 20))
         ->capture_default_str();
+    command->add_option("--keep-days", options->keep_days, "Days that finished jobs are kept")
+        ->check(CLI::Range(0, 100000))
+        ->capture_default_str();
+    command
+        ->add_option("--max-per-tenant", jobs.max_per_tenant, "Jobs of one tenant that wait or run")
+        ->check(CLI::Range(1, 10000))
+        ->capture_default_str();
+    command
+        ->add_option("--min-free-mib", options->min_free_mib,
+                     "Free disk below which no job is taken, MiB")
+        ->check(CLI::Range(0, 1 << 30))
+        ->capture_default_str();
+    command
+        ->add_option("--poison-after", options->service.store.poison_after,
+                     "Ends of the service under a probe that make the probe fail")
+        ->check(CLI::Range(1, 1 << 30))
+        ->capture_default_str();
     command
         ->add_option("--drain-seconds", options->drain_seconds,
-                     "Time that running jobs get to end after SIGTERM")
+                     "Time that running jobs get after SIGTERM before they are stopped")
         ->check(CLI::Range(0.0, 86400.0))
         ->capture_default_str();
+    command->add_option("--tokens", options->service.tokens,
+                        "File of tokens (probebake token); without it, no token is asked for");
     command->add_option("--allow-host", options->allow_hosts,
                         "Further host name that clients may address (repeatable)");
     command->add_flag("--expose", options->expose, "Allow an address that others can reach");

@@ -2,6 +2,8 @@
 
 #include <httplib.h>
 
+#include <cstdlib>
+
 namespace probebake {
 namespace {
 
@@ -33,6 +35,8 @@ struct ServiceClient::State {
         http.set_connection_timeout(5);
         http.set_read_timeout(60);
         http.set_tcp_nodelay(true);
+        const char* const token = std::getenv("PROBEBAKE_TOKEN");
+        if (token != nullptr) http.set_bearer_token_auth(token);
     }
     [[noreturn]] void fail(const httplib::Error& error) const {
         throw ServiceError(0, "no answer from " + url + ": " + httplib::to_string(error));

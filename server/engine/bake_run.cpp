@@ -3,7 +3,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <new>
 
 namespace probebake {
 namespace {
@@ -16,7 +18,8 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
 
 class BakeRun {
   public:
-    explicit BakeRun(const BakeParams& params) : params_(params), job_(params.job) {}
+    explicit BakeRun(const BakeParams& params)
+        : params_(params), job_(params.job), failed_(params.history.given_up) {}
 
     Json run() {
         enter(BakePhase::kLoading);
@@ -30,6 +33,8 @@ class BakeRun {
         enter(BakePhase::kRendering);
         render();
         enter(BakePhase::kFinished);
+        if (params_.history.only) return nullptr;
+        if (!failed_.empty()) throw_failed();
         return finish();
     }
 
@@ -37,16 +42,17 @@ class BakeRun {
     void enter(BakePhase phase) {
         const std::lock_guard lock(mutex_);
         progress_.phase = phase;
-        progress_.units = job_.probes.size() * job_.states.size();
+        progress_.units = unit_count(job_);
+        progress_.units_done = params_.history.finished.size() + baked_;
         report_progress();
     }
 
     void report_progress() {  // with mutex_ held
         const Clock::time_point now = Clock::now();
         progress_.seconds = seconds_between(start_, now);
-        if (progress_.units_done > 0) {
+        if (baked_ > 0) {
             const double per_unit =
-                seconds_between(render_begin_, now) / static_cast<double>(progress_.units_done);
+                seconds_between(render_begin_, now) / static_cast<double>(baked_);
             progress_.seconds_left =
                 per_unit * static_cast<double>(progress_.units - progress_.units_done);
         }
@@ -83,44 +89,93 @@ class BakeRun {
         }
     }
 
+    /// What is left to be baked, in the order in which it is begun.
+    std::vector<size_t> units_to_bake() const {
+        const BakeHistory& history = params_.history;
+        std::vector<size_t> units;
+        for (size_t i = 0; i < unit_count(job_); ++i) {
+            const bool known = history.finished.contains(i) || history.given_up.contains(i);
+            const bool wanted = history.only ? history.only->contains(i) : !known;
+            if (wanted && !history.last.contains(i)) units.push_back(i);
+        }
+        for (const size_t i : history.last) {
+            if (!history.finished.contains(i) && !history.only) units.push_back(i);
+        }
+        return units;
+    }
+
     void render() {
         render_begin_ = Clock::now();
-        results_.resize(job_.probes.size() * job_.states.size());
-        params_.pool.for_each(results_.size(), [&](size_t i) {
-            params_.cancel.throw_if_cancelled();
-            // Probe by probe, so that a probe's states end together.
-            const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
-            ProbeResult result =
+        results_ = params_.history.finished;
+        const std::vector<size_t> units = units_to_bake();
+        params_.pool.for_each(units.size(), [&](size_t k) { bake_unit(units[k]); });
+    }
+
+    void bake_unit(size_t i) {
+        params_.cancel.throw_if_cancelled();
+        if (params_.begin) params_.begin(i);
+        // Probe by probe, so that a probe's states end together.
+        const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
+        ProbeResult result;
+        try {
+            result =
                 bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit, params_.cancel);
-            publish(i, std::move(result));
-        });
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const std::bad_alloc&) {
+            fail(i, "the service ran out of memory");
+            return;
+        } catch (const std::exception& error) {
+            fail(i, error.what());
+            return;
+        }
+        publish(i, std::move(result));
+    }
+
+    void fail(size_t i, const std::string& why) {
+        const std::lock_guard lock(mutex_);
+        failed_[i] = why;
     }
 
     void publish(size_t i, ProbeResult result) {
         const std::lock_guard lock(mutex_);
         if (params_.sink) params_.sink(job_.probes[result.probe], result);
         for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
-        if (progress_.units_done == 0) first_unit_seconds_ = seconds_between(start_, Clock::now());
+        if (baked_ == 0) first_unit_seconds_ = seconds_between(start_, Clock::now());
         results_[i] = std::move(result);
+        ++baked_;
         ++progress_.units_done;
         report_progress();
     }
 
-    Json finish() const {
+    [[noreturn]] void throw_failed() const {
+        std::vector<SpecIssue> issues;
+        for (const auto& [i, why] : failed_) {
+            issues.push_back({"/probes/" + job_.probes[i / job_.states.size()].id + "/" +
+                                  std::string(name_of(job_.states[i % job_.states.size()])),
+                              why});
+        }
+        throw UnitsFailed(std::move(issues));
+    }
+
+    Json finish() {
+        std::vector<ProbeResult> results;
+        results.reserve(results_.size());
+        for (auto& [i, result] : results_) results.push_back(std::move(result));
         const BakeRecord record{.scene = *scene_,
                                 .job = job_,
                                 .plan = plan_,
                                 .pilots = pilots_,
-                                .results = results_,
+                                .results = results,
                                 .wall_seconds = seconds_between(begin_, Clock::now()),
                                 .seconds_to_first_probe = first_unit_seconds_,
                                 .peak_memory_bytes = peak_memory_bytes(),
                                 .threads = params_.pool.threads()};
         std::vector<MeasuredError> pooled;
         for (const Pilot& pilot : pilots_) pooled.push_back(pooled_error(record, pilot.state.spec));
-        for (size_t i = 0; params_.row_sink && i < results_.size(); ++i) {
+        for (size_t i = 0; params_.row_sink && i < results.size(); ++i) {
             const size_t state = i % pilots_.size();
-            params_.row_sink(write_probe_row(record, pilots_[state], results_[i], pooled[state]));
+            params_.row_sink(write_probe_row(record, pilots_[state], results[i], pooled[state]));
         }
         return write_report(record);
     }
@@ -137,7 +192,9 @@ class BakeRun {
 
     std::mutex mutex_;
     // Guarded by mutex_ while units run:
-    std::vector<ProbeResult> results_;
+    std::map<size_t, ProbeResult> results_;
+    std::map<size_t, std::string> failed_;
+    uint64_t baked_ = 0;  // in this attempt
     BakeProgress progress_;
     double first_unit_seconds_ = 0.0;
 };
@@ -148,6 +205,14 @@ std::string_view name_of(BakePhase phase) {
     constexpr std::array<std::string_view, 5> kNames = {"loading", "lighting", "pilot", "rendering",
                                                         "finished"};
     return kNames[static_cast<size_t>(phase)];
+}
+
+size_t unit_count(const JobSpec& job) { return job.probes.size() * job.states.size(); }
+
+size_t unit_of(const JobSpec& job, const ProbeResult& result) {
+    size_t state = 0;
+    while (name_of(job.states[state]) != name_of(result.state)) ++state;
+    return result.probe * job.states.size() + state;
 }
 
 Json run_bake(const BakeParams& params) { return BakeRun(params).run(); }

@@ -3,11 +3,17 @@
 //
 //   scene -> plan -> light of every lit state -> pilot per state -> work units on the pool -> sink
 //   -> rows and report
+//
+// A bake that was interrupted goes on with what an earlier attempt finished: lighting and pilot are
+// repeated (they depend on nothing but scene and job), finished units are not.
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +33,31 @@ struct BakeProgress {
     std::optional<double> seconds_left;  // expected, once units are done
 };
 
+/// Work units are counted probe by probe, states fastest.
+size_t unit_count(const JobSpec& job);
+size_t unit_of(const JobSpec& job, const ProbeResult& result);
+
+/// What an earlier attempt left for this one.
+struct BakeHistory {
+    std::map<size_t, ProbeResult> finished;  // not baked again
+    std::set<size_t> last;                   // baked last: they may bring the process down
+    std::map<size_t, std::string> given_up;  // not baked, with the reason
+    std::optional<std::set<size_t>> only;    // these alone, to mend their files; no report
+};
+
+/// Some units could not be baked; all others are finished.
+class UnitsFailed : public std::runtime_error {
+  public:
+    explicit UnitsFailed(std::vector<SpecIssue> issues)
+        : std::runtime_error(std::to_string(issues.size()) + " work units failed"),
+          issues_(std::move(issues)) {}
+    /// "/probes/ID/STATE" and what happened, in the order of the units.
+    const std::vector<SpecIssue>& issues() const { return issues_; }
+
+  private:
+    std::vector<SpecIssue> issues_;
+};
+
 struct BakeParams {
     const JobSpec& job;
     std::function<std::shared_ptr<const Scene>(const CancelToken&)> scene;
@@ -39,10 +70,13 @@ struct BakeParams {
     /// Takes the row of every probe and state at the end, in the order of the request: verdicts
     /// need the whole job's evidence.
     std::function<void(const Json&)> row_sink;
+    /// Called from a pool thread before a unit is baked.
+    std::function<void(size_t unit)> begin = {};
+    BakeHistory history = {};
 };
 
-/// The report. Throws SpecError where scene and job do not fit, Cancelled, and what scene and the
-/// sinks throw.
+/// The report. Throws SpecError where scene and job do not fit, Cancelled, UnitsFailed, and what
+/// scene and the sinks throw.
 Json run_bake(const BakeParams& params);
 
 /// Largest resident set of this process so far.

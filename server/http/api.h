@@ -1,16 +1,17 @@
 // The API, version 1: what the service does at which path (docs/service.md has the table).
 //
 // The handlers translate between HTTP and the parts that do the work; they hold no state of their
-// own but the count of checks under way.
+// own but the counts of checks and of waiting answers.
 #pragma once
 
 #include <atomic>
 #include <string>
 
+#include "http/access.h"
 #include "http/http_server.h"
+#include "http/metrics.h"
 #include "http/problem.h"
 #include "http/router.h"
-#include "jobs/artifact_store.h"
 #include "jobs/job_manager.h"
 #include "scene/scene_library.h"
 
@@ -20,10 +21,15 @@ class Api {
   public:
     struct Parts {
         JobManager& jobs;
-        ArtifactStore& store;
+        JobStore& store;
         const SceneLibrary& scenes;
-        SceneSource load;
+        /// Loads a scene, or takes it from a cache.
+        std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)> load;
+        const Tokens& tokens;
+        Metrics& metrics;
         int threads = 1;  // of the render pool, for the version
+        /// Answers that wait (long polls, events, archives) at once.
+        int max_waiting = 16;
         uint64_t max_body_bytes = 0;
         /// Checks that may load scenes at once, and how long one waits for its scene.
         int max_checks = 4;
@@ -34,6 +40,8 @@ class Api {
     Api(const Api&) = delete;
     Api& operator=(const Api&) = delete;
 
+    /// Method and pattern of every path.
+    static std::vector<std::pair<std::string, std::string>> route_names();
     /// Throws what http/problem.h's problem_of understands.
     void handle(const httplib::Request& request, httplib::Response& response);
 
@@ -43,10 +51,18 @@ class Api {
         const httplib::Request& request;
         httplib::Response& response;
         const PathParams& params;
+        const Identity& who;
     };
     using Handler = void (Api::*)(const Call&);
 
-    void add(const char* method, const char* pattern, Handler handler);
+    struct Route {
+        const char* method;
+        const char* pattern;
+        Scope scope;
+        Handler handler;
+    };
+    static const std::vector<Route>& routes();
+    Identity identify(const httplib::Request& request, Scope scope) const;
 
     // api_bakes.cpp
     void submit(const Call& call);
@@ -54,8 +70,14 @@ class Api {
     void list(const Call& call);
     void status(const Call& call);
     void cancel(const Call& call);
+    void remove(const Call& call);
+    void expire(const Call& call);
+    /// The job when it has changed or its time is over, as `Prefer: wait` asks for.
+    JobSnapshot wait_for(JobSnapshot job, const Call& call, std::chrono::seconds time,
+                         bool until_ended);
+    std::string etag_of(const JobSnapshot& job) const;
     /// The request of a body: read, checked, its scene found. Throws ProblemError and SpecError.
-    JobRequest read_request(const httplib::Request& request) const;
+    JobRequest read_request(const Call& call) const;
     /// Throws ProblemError (404).
     JobSnapshot find_job(const Call& call) const;
 
@@ -64,16 +86,36 @@ class Api {
     void rows(const Call& call);
     void file(const Call& call);
 
+    // api_streams.cpp
+    void events(const Call& call);
+    void archive(const Call& call);
+
     // api.cpp
     void list_scenes(const Call& call);
     void limits(const Call& call);
     void version(const Call& call);
     void health(const Call& call);
+    void ready(const Call& call);
+    void metrics(const Call& call);
+    void openapi(const Call& call);
 
     const Parts parts_;
     Router router_;
-    std::vector<Handler> handlers_;
-    std::atomic<int> checks_{0};
+    const std::string boot_id_;  // tags of an earlier run are no tags of this one
+    std::shared_ptr<std::atomic<int>> checks_ = std::make_shared<std::atomic<int>>(0);
+    std::shared_ptr<std::atomic<int>> waiting_ = std::make_shared<std::atomic<int>>(0);
+};
+
+/// One of a bounded number of places; throws ServiceBusy where all are taken.
+class Place {
+  public:
+    Place(std::shared_ptr<std::atomic<int>> taken, int most, const std::string& code);
+    ~Place() { --*taken_; }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+  private:
+    std::shared_ptr<std::atomic<int>> taken_;
 };
 
 /// Answers with a JSON document.

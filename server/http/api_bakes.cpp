@@ -1,11 +1,14 @@
 // Jobs over HTTP: submit, check, list, status, cancel.
+#include <algorithm>
 #include <condition_variable>
 #include <thread>
 
 #include "bake/plan.h"
 #include "http/api.h"
+#include "http/file_answer.h"
 #include "http/query.h"
 #include "io/io_error.h"
+#include "io/sha256.h"
 
 namespace probebake {
 namespace {
@@ -34,21 +37,38 @@ class Deadline {
     std::jthread timer_;
 };
 
-/// One of a bounded number of places.
-class Place {
-  public:
-    Place(std::atomic<int>& taken, int most) : taken_(taken) {
-        if (taken_.fetch_add(1) < most) return;
-        --taken_;
-        throw ServiceBusy("too-many-checks", "as many checks as may are under way");
-    }
-    ~Place() { --taken_; }
-    Place(const Place&) = delete;
-    Place& operator=(const Place&) = delete;
+/// `Prefer: wait=N` (RFC 7240): seconds, at most 30; none where the client did not say.
+std::optional<std::chrono::seconds> wait_of(const httplib::Request& request) {
+    constexpr uint64_t kMaxSeconds = 30;
+    const std::string text = request.get_header_value("Prefer");
+    constexpr std::string_view kWait = "wait=";
+    if (text.compare(0, kWait.size(), kWait) != 0) return std::nullopt;
+    const std::optional<uint64_t> seconds =
+        read_digits(std::string_view(text).substr(kWait.size()));
+    if (!seconds) return std::nullopt;
+    return std::chrono::seconds(std::min(*seconds, kMaxSeconds));
+}
 
-  private:
-    std::atomic<int>& taken_;
-};
+std::optional<std::string> key_of(const httplib::Request& request) {
+    if (!request.has_header("Idempotency-Key")) return std::nullopt;
+    const std::string key = request.get_header_value("Idempotency-Key");
+    constexpr size_t kMaxBytes = 255;
+    const bool plain =
+        std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c < 0x7f; });
+    if (key.empty() || key.size() > kMaxBytes || !plain) {
+        throw ProblemError(
+            {.status = 400,
+             .code = "malformed",
+             .detail = "expected an Idempotency-Key of 1 to 255 visible characters"});
+    }
+    return key;
+}
+
+void refuse_body(const httplib::Request& request) {
+    if (!request.body.empty()) {
+        throw SpecError(SpecError::Kind::kMalformed, "", "expected no body");
+    }
+}
 
 std::string names_text(const SceneLibrary& scenes) {
     std::string text;
@@ -58,8 +78,13 @@ std::string names_text(const SceneLibrary& scenes) {
 
 }  // namespace
 
-JobRequest Api::read_request(const httplib::Request& request) const {
-    JobRequest out{.spec = read_job(parse_json(request.body, kRequestLimits)), .scene = {}};
+JobRequest Api::read_request(const Call& call) const {
+    const std::string& body = call.request.body;
+    JobRequest out{.spec = read_job(parse_json(body, kRequestLimits)),
+                   .scene = {},
+                   .tenant = call.who.tenant,
+                   .idempotency_key = key_of(call.request),
+                   .sha256 = sha256_hex(std::as_bytes(std::span(body)))};
     std::optional<SceneFile> scene;
     try {
         scene = parts_.scenes.find(out.spec.scene);
@@ -80,7 +105,7 @@ JobRequest Api::read_request(const httplib::Request& request) const {
 
 JobSnapshot Api::find_job(const Call& call) const {
     std::optional<JobSnapshot> job = parts_.jobs.find(call.params.at("id"));
-    if (!job) {
+    if (!job || !call.who.sees(job->tenant)) {
         throw ProblemError({.status = 404,
                             .code = "unknown-bake",
                             .detail = "there is no bake of that id; finished ones are kept for a "
@@ -89,19 +114,49 @@ JobSnapshot Api::find_job(const Call& call) const {
     return std::move(*job);
 }
 
+std::string Api::etag_of(const JobSnapshot& job) const {
+    return "\"" + boot_id_ + "." + std::to_string(job.version) + "\"";
+}
+
+JobSnapshot Api::wait_for(JobSnapshot job, const Call& call, std::chrono::seconds time,
+                          bool until_ended) {
+    const Place place(waiting_, parts_.max_waiting, "too-many-waiting");
+    const auto end = std::chrono::steady_clock::now() + time;
+    const uint64_t version = job.version;
+    while (!is_terminal(job.state) && !parts_.jobs.draining() &&
+           (until_ended || job.version == version)) {
+        const auto left =
+            std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+        if (left.count() <= 0) break;
+        const auto now = parts_.jobs.wait_for_change(job.id, job.version, left);
+        if (!now) return find_job(call);  // deleted: 404
+        job = *now;
+    }
+    return job;
+}
+
 void Api::submit(const Call& call) {
     QueryReader(call.request).refuse_unknown();
-    const JobSnapshot job = parts_.jobs.submit(read_request(call.request));
+    JobManager::Submitted submitted = parts_.jobs.submit(read_request(call));
+    JobSnapshot& job = submitted.job;
     call.response.status = 202;
+    if (const auto time = wait_of(call.request); time && !submitted.replayed) {
+        try {
+            job = wait_for(job, call, *time, true);
+            if (is_terminal(job.state)) call.response.status = 201;
+        } catch (const ServiceBusy&) {  // the job is taken: the client may ask for it later
+        }
+    }
     call.response.set_header("Location", "/v1/bakes/" + job.id);
-    call.response.set_header("Retry-After", kRetrySeconds);
+    if (submitted.replayed) call.response.set_header("Idempotency-Replayed", "true");
+    if (!is_terminal(job.state)) call.response.set_header("Retry-After", kRetrySeconds);
     answer_json(write_job_status(job), call.response);
 }
 
 void Api::check(const Call& call) {
     QueryReader(call.request).refuse_unknown();
-    const JobRequest request = read_request(call.request);
-    const Place place(checks_, parts_.max_checks);
+    const JobRequest request = read_request(call);
+    const Place place(checks_, parts_.max_checks, "too-many-checks");
     const Deadline deadline(parts_.check_time);
     std::shared_ptr<const Scene> scene;
     try {
@@ -133,10 +188,12 @@ void Api::list(const Call& call) {
         }
     }
     if (const auto token = query.text("page_token")) {
-        wanted.before = read_digits(*token);
+        const std::optional<uint64_t> before = read_digits(*token);
+        if (before) wanted.before = static_cast<int64_t>(*before & INT64_MAX);
         if (!wanted.before) QueryReader::refuse("page_token", "expected what a page before gave");
     }
     query.refuse_unknown();
+    if (!call.who.is_admin()) wanted.tenant = call.who.tenant;
 
     std::vector<JobSnapshot> jobs = parts_.jobs.list(wanted);
     Json json = {{"bakes", Json::array()}};
@@ -150,20 +207,59 @@ void Api::list(const Call& call) {
 
 void Api::status(const Call& call) {
     QueryReader(call.request).refuse_unknown();
-    const JobSnapshot job = find_job(call);
+    JobSnapshot job = find_job(call);
+    const bool known = none_match_fails(call.request, etag_of(job));
+    if (const auto time = wait_of(call.request); time && known && !is_terminal(job.state)) {
+        job = wait_for(job, call, *time, false);
+    }
+    const std::string etag = etag_of(job);
+    call.response.set_header("ETag", etag);
     if (!is_terminal(job.state)) call.response.set_header("Retry-After", kRetrySeconds);
+    if (none_match_fails(call.request, etag)) {
+        call.response.status = 304;
+        return;
+    }
     answer_json(write_job_status(job), call.response);
 }
 
 void Api::cancel(const Call& call) {
     QueryReader(call.request).refuse_unknown();
-    if (!call.request.body.empty()) {
-        throw SpecError(SpecError::Kind::kMalformed, "", "expected no body");
-    }
+    refuse_body(call.request);
     find_job(call);
     const std::optional<JobSnapshot> job = parts_.jobs.cancel(call.params.at("id"));
     call.response.status = job && is_terminal(job->state) ? 200 : 202;
     answer_json(write_job_status(job ? *job : find_job(call)), call.response);
+}
+
+/// ?dry_run=true
+bool dry_run_of(const httplib::Request& request) {
+    QueryReader query(request);
+    const std::string text = query.text("dry_run").value_or("false");
+    if (text != "true" && text != "false") QueryReader::refuse("dry_run", "expected true or false");
+    query.refuse_unknown();
+    return text == "true";
+}
+
+void Api::remove(const Call& call) {
+    const bool dry_run = dry_run_of(call.request);
+    refuse_body(call.request);
+    const JobSnapshot job = find_job(call);
+    if (!is_terminal(job.state)) {
+        throw ProblemError(
+            {.status = 409,
+             .code = "not-finished",
+             .detail = "the bake is " + std::string(name_of(job.state)) + ": cancel it first"});
+    }
+    if (!dry_run) parts_.jobs.remove(job.id);
+    call.response.status = 204;
+}
+
+void Api::expire(const Call& call) {
+    const bool dry_run = dry_run_of(call.request);
+    refuse_body(call.request);
+    const Expired expired = parts_.jobs.expire(!dry_run);
+    answer_json({{"dry_run", dry_run}, {"bakes", expired.jobs}, {"bytes", expired.bytes}},
+                call.response);
 }
 
 Json write_job_status(const JobSnapshot& job) {

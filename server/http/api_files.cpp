@@ -1,5 +1,6 @@
 // What a job made, over HTTP: report, rows, files.
 #include "http/api.h"
+#include "http/file_answer.h"
 #include "http/query.h"
 #include "io/io_error.h"
 
@@ -8,43 +9,20 @@ namespace {
 
 constexpr uint64_t kMaxPage = 100;
 constexpr uint64_t kDefaultPage = 50;
-constexpr size_t kChunkBytes = size_t{64} << 10;
-
-/// Streams an open file. The library's idea of offset and length is bounded by the file.
-void answer_file(std::shared_ptr<const OpenFile> file, const char* type,
-                 httplib::Response& response) {
-    const uint64_t size_bytes = file->size_bytes();
-    response.set_content_provider(
-        size_bytes, type,
-        [file = std::move(file), buffer = std::make_shared<std::vector<char>>(kChunkBytes)](
-            size_t offset, size_t length, httplib::DataSink& sink) {
-            try {
-                const size_t n =
-                    file->read_at(offset, std::span(*buffer).first(std::min(length, kChunkBytes)));
-                return n > 0 && sink.write(buffer->data(), n);
-            } catch (const IoError&) {
-                return false;  // the answer has begun: all that is left is to break it off
-            }
-        });
-}
-
-/// If-None-Match (RFC 9110, 13.1.2) with weak comparison.
-bool matches(const httplib::Request& request, const std::string& etag) {
-    for (size_t i = 0; i < request.get_header_value_count("If-None-Match"); ++i) {
-        const std::string tags = request.get_header_value("If-None-Match", i);
-        // A strong tag of ours holds no comma and no quotation mark inside.
-        if (tags == "*" || tags.find(etag) != std::string::npos) return true;
-    }
-    return false;
-}
-
 Json write_unit(const StoredUnit& unit) {
-    Json json = {{"probe", unit.probe}, {"state", unit.state}, {"files", Json::array()}};
+    Json json = {{"probe", unit.name.probe}, {"state", unit.name.state}, {"files", Json::array()}};
     for (const StoredFile& file : unit.files) {
         json["files"].push_back(
             {{"name", file.name}, {"bytes", file.size_bytes}, {"sha256", file.sha256}});
     }
     return json;
+}
+
+[[noreturn]] void refuse_damaged() {
+    throw ProblemError({.status = 410,
+                        .code = "damaged",
+                        .detail = "the file was damaged on the service's disk and cannot be made "
+                                  "again"});
 }
 
 [[noreturn]] void refuse_token() {
@@ -78,10 +56,10 @@ void Api::report(const Call& call) {
                        (is_terminal(job.state) ? ": it has no report"
                                                : ": its report is made when it has SUCCEEDED")});
     }
-    std::shared_ptr<const OpenFile> file = parts_.store.open_report(job.id);
+    std::optional<OpenStored> file = parts_.store.open_job_file(job.sequence, kReportFile);
     if (!file) find_job(call);  // forgotten in between
-    if (!file) throw IoError("report.json", "is missing");
-    answer_file(std::move(file), "application/json", call.response);
+    if (!file || !file->content) refuse_damaged();
+    answer_file(std::move(file->content), "application/json", call.response);
 }
 
 void Api::rows(const Call& call) {
@@ -96,16 +74,24 @@ void Api::rows(const Call& call) {
     std::string body;
     std::string next;
     if (token.final_rows) {
-        const std::optional<RowPage> page = parts_.store.rows(job.id, token.at, count);
+        const auto file = parts_.store.open_unchecked(job.sequence, kRowFile);
+        if (!file) find_job(call);  // forgotten in between
+        if (!file) refuse_damaged();
+        std::optional<RowPage> page;
+        try {
+            page = read_rows(*file, token.at, count);
+        } catch (const IoError&) {
+            refuse_damaged();
+        }
         if (!page) refuse_token();
         for (const std::string& row : page->rows) body += (body.empty() ? "" : ",\n") + row;
         if (page->next) next = "r" + std::to_string(*page->next);
     } else {
-        const std::vector<StoredUnit> units = parts_.store.units(job.id, token.at, count);
+        const std::vector<StoredUnit> units = parts_.store.published(job.sequence, token.at, count);
         for (const StoredUnit& unit : units) {
             body += (body.empty() ? "" : ",\n") + dump_json(write_unit(unit));
         }
-        const bool more = token.at + units.size() < parts_.store.unit_count(job.id);
+        const bool more = token.at + units.size() < job.progress.units_done && !units.empty();
         if (more) next = "u" + std::to_string(token.at + units.size());
     }
     // The rows are JSON texts already: a page of them is not parsed to be written again.
@@ -118,8 +104,8 @@ void Api::rows(const Call& call) {
 void Api::file(const Call& call) {
     QueryReader(call.request).refuse_unknown();
     const JobSnapshot job = find_job(call);
-    std::optional<OpenArtifact> found = parts_.store.open(
-        job.id, call.params.at("probe"), call.params.at("state"), call.params.at("file"));
+    std::optional<OpenStored> found = parts_.store.open_unit_file(
+        job.sequence, call.params.at("probe"), call.params.at("state"), call.params.at("file"));
     if (!found) {
         throw ProblemError({.status = 404,
                             .code = is_terminal(job.state) ? "unknown-file" : "not-baked-yet",
@@ -127,17 +113,19 @@ void Api::file(const Call& call) {
                                           ? "the bake has no such file"
                                           : "the bake has no such file, or not yet"});
     }
-    const std::string etag = "\"" + found->file.sha256 + "\"";
-    call.response.set_header("ETag", etag);
-    call.response.headers.erase("Cache-Control");
-    call.response.set_header("Cache-Control", "private, no-cache");  // check with the tag, then use
-    if (matches(call.request, etag)) {
-        call.response.status = 304;
-        return;
+    if (!found->content) {
+        if (parts_.jobs.mend(job.id, found->unit) == JobManager::Mend::kImpossible) {
+            refuse_damaged();
+        }
+        throw ProblemError({.status = 503,
+                            .code = "being-mended",
+                            .detail = "the file was damaged on the service's disk; it is baked "
+                                      "again",
+                            .retry_after_seconds = 2});
     }
     const bool json = found->file.name.ends_with(".json");
-    answer_file(std::move(found->content), json ? "application/json" : "image/x-exr",
-                call.response);
+    answer_digested(std::move(found->content), found->file.sha256,
+                    json ? "application/json" : "image/x-exr", call.request, call.response);
 }
 
 }  // namespace probebake

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "http/problem.h"
 
@@ -169,6 +170,30 @@ std::string without_percent(const std::string& value) {
     return value.find('%') == std::string::npos ? value : "";
 }
 
+/// The headers that the service looks at besides those that it must.
+void pass_on(const HeaderMap& headers, std::string& text) {
+    constexpr std::array<std::pair<const char*, const char*>, 4> kOnce = {
+        {{"authorization", "Authorization"},
+         {"idempotency-key", "Idempotency-Key"},
+         {"prefer", "Prefer"},
+         {"last-event-id", "Last-Event-ID"}}};
+    for (const auto& [name, as] : kOnce) {
+        const std::optional<std::string> value = single(headers, name);
+        if (!value) continue;
+        if (without_percent(*value).empty()) {
+            refuse_syntax(std::string("the header \"") + name + "\" is empty or holds a %");
+        }
+        text += std::string(as) + ": " + *value + "\r\n";
+    }
+    // Several ranges are not answered as ranges: a list of them could cost any amount of memory.
+    const std::optional<std::string> range = single(headers, "range");
+    if (!range || range->find_first_of(",%") != std::string::npos) return;
+    text += std::string(kRangeHeader) + ": " + *range + "\r\n";
+    if (const std::optional<std::string> tag = single(headers, "if-range")) {
+        text += "If-Range: " + without_percent(*tag) + "\r\n";
+    }
+}
+
 }  // namespace
 
 GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
@@ -199,6 +224,7 @@ GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
             if (!tags.empty()) text += "If-None-Match: " + tags + "\r\n";
         }
     }
+    pass_on(headers, text);
     text += "\r\n";
     return out;
 }

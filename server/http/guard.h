@@ -5,7 +5,7 @@
 // (docs/service.md, "What is refused before it is read"). So the head is parsed strictly, refused
 // where anything in it is doubtful, and the library is handed a head written anew: the request
 // line, the request's number, and the few headers that the service looks at. In particular there
-// is always exactly one Content-Length and never a Range.
+// is always exactly one Content-Length and never a Range (a single one comes as X-Range).
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,9 @@
 #include <vector>
 
 namespace probebake {
+
+/// A single range, as the guard passes it on: under its own name the library would answer it.
+inline constexpr const char* kRangeHeader = "X-Range";
 
 struct GuardLimits {
     size_t max_head_bytes = size_t{16} << 10;

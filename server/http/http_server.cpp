@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "http/problem.h"
-#include "jobs/job.h"
+#include "store/job_state.h"
 
 namespace probebake {
 namespace {
@@ -227,6 +227,7 @@ void answer_problem(const Problem& problem, const httplib::Request& request,
     if (problem.retry_after_seconds) {
         response.set_header("Retry-After", std::to_string(*problem.retry_after_seconds));
     }
+    if (problem.authenticate) response.set_header("WWW-Authenticate", "Bearer");
     if (!problem.allow.empty()) response.set_header("Allow", problem.allow);
 }
 

@@ -8,6 +8,10 @@ std::string_view phrase_of(int status) {
     switch (status) {
         case 400:
             return "Bad Request";
+        case 401:
+            return "Unauthorized";
+        case 403:
+            return "Forbidden";
         case 404:
             return "Not Found";
         case 405:
@@ -24,12 +28,18 @@ std::string_view phrase_of(int status) {
             return "URI Too Long";
         case 415:
             return "Unsupported Media Type";
+        case 416:
+            return "Range Not Satisfiable";
         case 417:
             return "Expectation Failed";
         case 421:
             return "Misdirected Request";
         case 422:
             return "Unprocessable Content";
+        case 410:
+            return "Gone";
+        case 429:
+            return "Too Many Requests";
         case 431:
             return "Request Header Fields Too Large";
         case 500:
@@ -56,8 +66,19 @@ Problem problem_of(const std::exception_ptr& exception) {
                                     : "the request asks for what cannot be done",
                 .errors = error.issues()};
     } catch (const ServiceBusy& error) {
-        return {
-            .status = 503, .code = error.code(), .detail = error.what(), .retry_after_seconds = 5};
+        return {.status = error.code() == "quota" ? 429 : 503,
+                .code = error.code(),
+                .detail = error.what(),
+                .retry_after_seconds = 5};
+    } catch (const DiskFull&) {
+        return {.status = 503,
+                .code = "disk-full",
+                .detail = "the disk is full",
+                .retry_after_seconds = 60};
+    } catch (const KeyReused&) {
+        return {.status = 422,
+                .code = "key-reused",
+                .detail = "that Idempotency-Key came with another request before"};
     } catch (...) {
         return {.status = 500, .code = "internal", .detail = "an internal error"};
     }

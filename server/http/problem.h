@@ -27,7 +27,8 @@ struct Problem {
     std::string detail;
     std::vector<SpecIssue> errors = {};
     std::optional<int> retry_after_seconds = {};
-    std::string allow = {};  // methods, for 405
+    std::string allow = {};     // methods, for 405
+    bool authenticate = false;  // for 401
 };
 
 /// Ends a request.

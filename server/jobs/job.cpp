@@ -1,65 +1,39 @@
 #include "jobs/job.h"
 
-#include <sys/random.h>
-
-#include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <ctime>
-#include <stdexcept>
 
 namespace probebake {
-namespace {
 
-constexpr std::array<std::string_view, 6> kStateNames = {"QUEUED",    "RUNNING", "CANCELLING",
-                                                         "SUCCEEDED", "FAILED",  "CANCELLED"};
-constexpr std::string_view kIdPrefix = "b-";
-constexpr size_t kIdBytes = 16;
-
-}  // namespace
-
-std::string_view name_of(JobState state) { return kStateNames[static_cast<size_t>(state)]; }
-
-std::optional<JobState> job_state_of(std::string_view name) {
-    const auto at = std::find(kStateNames.begin(), kStateNames.end(), name);
-    if (at == kStateNames.end()) return std::nullopt;
-    return static_cast<JobState>(at - kStateNames.begin());
-}
-
-std::string new_job_id() {
-    std::array<unsigned char, kIdBytes> bytes{};
-    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-        throw std::runtime_error(std::string("getrandom: ") + std::strerror(errno));
-    }
-    constexpr std::string_view kDigits = "0123456789abcdef";
-    std::string id(kIdPrefix);
-    for (const unsigned char byte : bytes) {
-        id += kDigits[byte >> 4];
-        id += kDigits[byte & 15];
-    }
-    return id;
-}
-
-bool is_job_id(std::string_view text) {
-    return text.size() == kIdPrefix.size() + 2 * kIdBytes && text.substr(0, 2) == kIdPrefix &&
-           std::all_of(text.begin() + 2, text.end(),
-                       [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
-}
-
-std::string rfc3339(WallTime time) {
-    const auto milliseconds =
-        std::chrono::floor<std::chrono::milliseconds>(time.time_since_epoch()).count();
-    const std::time_t seconds = milliseconds / 1000;
+std::string rfc3339(UnixMs time) {
+    const std::chrono::milliseconds milliseconds(time);
+    const auto whole = std::chrono::floor<std::chrono::seconds>(milliseconds);
+    const std::time_t seconds = whole.count();
     std::tm utc{};
     ::gmtime_r(&seconds, &utc);
     std::array<char, 32> date{};
     std::strftime(date.data(), date.size(), "%Y-%m-%dT%H:%M:%S", &utc);
     std::array<char, 8> fraction{};
     std::snprintf(fraction.data(), fraction.size(), ".%03dZ",
-                  static_cast<int>(milliseconds % 1000));
+                  static_cast<int>((milliseconds - whole).count()));
     return std::string(date.data()) + fraction.data();
+}
+
+Json write_failure(const JobFailure& failure) {
+    Json json = {{"code", failure.code}, {"detail", failure.detail}};
+    for (const SpecIssue& issue : failure.issues) {
+        json["errors"].push_back({{"pointer", issue.pointer}, {"detail", issue.detail}});
+    }
+    return json;
+}
+
+JobFailure read_failure(const Json& json) {
+    JobFailure failure{json.at("code"), json.at("detail"), {}};
+    for (const Json& issue : json.value("errors", Json::array())) {
+        failure.issues.push_back({issue.at("pointer"), issue.at("detail")});
+    }
+    return failure;
 }
 
 }  // namespace probebake

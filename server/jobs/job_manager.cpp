@@ -1,7 +1,7 @@
 #include "jobs/job_manager.h"
 
 #include <algorithm>
-#include <new>
+#include <cstdlib>
 #include <utility>
 
 #include "io/io_error.h"
@@ -10,44 +10,124 @@ namespace probebake {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+/// How often is looked for jobs that are too old.
+constexpr auto kHouseInterval = 1s;
 
 double seconds_since(SteadyClock::time_point start) {
     return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
+UnixMs milliseconds(std::chrono::seconds time) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+}
+
 }  // namespace
 
-JobManager::JobManager(RenderPool& pool, ArtifactStore& store, SceneSource scenes, Options options)
+JobManager::JobManager(RenderPool& pool, JobStore& store, SceneSource scenes, Options options)
     : pool_(pool), store_(store), scenes_(std::move(scenes)), options_(std::move(options)) {
+    load_jobs();
     for (int i = 0; i < options_.max_running; ++i) {
-        runners_.emplace_back([this](const std::stop_token& stop) { run_jobs(stop); });
+        threads_.emplace_back([this](const std::stop_token& stop) { run_jobs(stop); });
+    }
+    threads_.emplace_back([this](const std::stop_token& stop) { keep_house(stop); });
+}
+
+JobManager::~JobManager() { drain(0ms); }
+
+void JobManager::load_jobs() {
+    for (StoredJob& stored : store_.jobs()) {
+        const auto job = std::make_shared<Job>();
+        JobSnapshot& seen = job->seen;
+        seen.id = stored.id;
+        seen.tenant = stored.tenant;
+        seen.sequence = stored.sequence;
+        seen.state = stored.state;
+        seen.scene = stored.scene;
+        seen.created = stored.created;
+        seen.started = stored.started;
+        seen.ended = stored.ended;
+        seen.progress.units = stored.units;
+        seen.progress.units_done = stored.units_done;
+        seen.progress.seconds = stored.seconds;
+        if (is_terminal(seen.state)) seen.progress.phase = BakePhase::kFinished;
+        if (stored.failure) seen.failure = read_failure(Json::parse(*stored.failure));
+        if (stored.warnings) seen.warnings = Json::parse(*stored.warnings);
+        job->scene_sha256 = stored.scene_sha256;
+        job->crashes = stored.crashes;
+        job->bytes = stored.bytes;
+        by_id_.emplace(seen.id, job);
+        by_age_.emplace(seen.sequence, job);
+        if (!is_terminal(seen.state)) queue_.push_back(job);
     }
 }
 
-JobManager::~JobManager() { drain(std::chrono::milliseconds(0)); }
-
-JobSnapshot JobManager::submit(JobRequest request) {
-    const auto job = std::make_shared<Job>();
-    job->seen.id = new_job_id();
-    job->seen.scene = request.scene.name;
-    job->seen.created = std::chrono::system_clock::now();
-    job->seen.progress.units = request.spec.probes.size() * request.spec.states.size();
-    job->request = std::move(request);
-
-    const std::lock_guard lock(mutex_);
-    if (draining_) throw ServiceBusy("draining", "the service is shutting down");
-    if (queue_.size() >= options_.max_queued) {
-        throw ServiceBusy("queue-full",
-                          std::to_string(queue_.size()) + " jobs wait already, the most that may");
+JobManager::Submitted JobManager::submit(const JobRequest& request) {
+    NewJob stored{.id = new_job_id(),
+                  .tenant = request.tenant,
+                  .scene = request.scene.name,
+                  .scene_sha256 = content_sha256(request.scene),
+                  .request = dump_json(write_job(request.spec)),
+                  .request_sha256 = request.sha256,
+                  .idempotency_key = request.idempotency_key,
+                  .units = unit_count(request.spec),
+                  .created = unix_ms_now()};
+    const auto replay = [&](const tables::Inserted& known) -> Submitted {
+        if (known.conflict) throw KeyReused();
+        std::optional<JobSnapshot> job = find(*known.replay_of);
+        if (!job) throw ServiceBusy("draining", "the job of that key is being removed");
+        return {std::move(*job), true};
+    };
+    // A job that was accepted is told again, however full the queue is by now.
+    if (const auto known = store_.find_key(stored)) return replay(*known);
+    {
+        const std::lock_guard lock(mutex_);
+        if (draining_) throw ServiceBusy("draining", "the service is shutting down");
+        if (queue_.size() + submitting_ >= options_.max_queued) {
+            throw ServiceBusy("queue-full", std::to_string(options_.max_queued) +
+                                                " jobs wait already, the most that may");
+        }
+        const auto own = [&](const JobPtr& job) { return job->seen.tenant == request.tenant; };
+        const auto count = std::count_if(queue_.begin(), queue_.end(), own) +
+                           std::count_if(running_.begin(), running_.end(), own);
+        if (static_cast<size_t>(count) >= options_.max_per_tenant) {
+            throw ServiceBusy("quota", "expected at most " +
+                                           std::to_string(options_.max_per_tenant) +
+                                           " jobs that wait or run");
+        }
+        ++submitting_;
     }
-    store_.add_job(job->seen.id);
-    job->seen.sequence = ++accepted_;
-    by_id_.emplace(job->seen.id, job);
-    by_age_.emplace(job->seen.sequence, job);
-    queue_.push_back(job);
-    enter(*job, JobState::kQueued);
-    work_.notify_one();
-    return snapshot(*job);
+    tables::Inserted inserted;
+    try {
+        if (!store_.has_room()) throw ServiceBusy("disk-full", "the disk is full");
+        inserted = store_.insert(stored);
+    } catch (...) {
+        const std::lock_guard lock(mutex_);
+        --submitting_;
+        throw;
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        --submitting_;
+        if (!inserted.replay_of) {
+            const auto job = std::make_shared<Job>();
+            job->seen.id = stored.id;
+            job->seen.tenant = stored.tenant;
+            job->seen.sequence = inserted.sequence;
+            job->seen.scene = stored.scene;
+            job->seen.created = stored.created;
+            job->seen.progress.units = stored.units;
+            job->scene_sha256 = stored.scene_sha256;
+            by_id_.emplace(stored.id, job);
+            by_age_.emplace(inserted.sequence, job);
+            queue_.push_back(job);
+            enter(*job, JobState::kQueued);
+            work_.notify_all();
+            return {snapshot(*job), false};
+        }
+    }
+    return replay(inserted);
 }
 
 std::optional<JobSnapshot> JobManager::find(const std::string& id) const {
@@ -63,39 +143,151 @@ std::vector<JobSnapshot> JobManager::list(const JobQuery& query) const {
     auto at = query.before ? by_age_.lower_bound(*query.before) : by_age_.end();
     while (at != by_age_.begin() && found.size() < query.count) {
         const Job& job = *(--at)->second;
-        if (!query.state || job.seen.state == *query.state) found.push_back(snapshot(job));
+        if (query.state && job.seen.state != *query.state) continue;
+        if (query.tenant && job.seen.tenant != *query.tenant) continue;
+        found.push_back(snapshot(job));
     }
     return found;
 }
 
 std::optional<JobSnapshot> JobManager::cancel(const std::string& id) {
-    std::unique_lock lock(mutex_);
-    const auto at = by_id_.find(id);
-    if (at == by_id_.end()) return std::nullopt;
-    const JobPtr job = at->second;
-    if (job->seen.state == JobState::kQueued) {
-        queue_.erase(std::find(queue_.begin(), queue_.end(), job));
-        enter(*job, JobState::kCancelled);
-    } else if (job->seen.state == JobState::kRunning) {
+    JobPtr job;
+    bool waited = false;
+    JobSnapshot asked;
+    {
+        const std::lock_guard lock(mutex_);
+        const auto at = by_id_.find(id);
+        if (at == by_id_.end()) return std::nullopt;
+        job = at->second;
+        if (is_terminal(job->seen.state) || job->seen.state == JobState::kCancelling) {
+            return snapshot(*job);
+        }
+        const auto place = std::find(queue_.begin(), queue_.end(), job);
+        waited = place != queue_.end();
+        if (waited) queue_.erase(place);
         job->cancel.cancel();
-        enter(*job, JobState::kCancelling);
+        if (!waited) enter(*job, JobState::kCancelling);
+        asked = snapshot(*job);
     }
-    JobSnapshot seen = snapshot(*job);
-    forget_oldest(lock);
-    return seen;
+    if (!waited) {
+        store_.request_cancel(job->seen.sequence);
+        return asked;
+    }
+    end(job, {.state = JobState::kCancelled});
+    const std::lock_guard lock(mutex_);
+    return snapshot(*job);
+}
+
+bool JobManager::remove(const std::string& id) {
+    JobPtr job;
+    {
+        const std::lock_guard lock(mutex_);
+        const auto at = by_id_.find(id);
+        if (at == by_id_.end() || !is_terminal(at->second->seen.state)) return false;
+        job = at->second;
+        forget(job);
+    }
+    store_.remove(job->seen.sequence);
+    return true;
+}
+
+void JobManager::forget(const JobPtr& job) {
+    by_id_.erase(job->seen.id);
+    by_age_.erase(job->seen.sequence);
+    to_mend_.erase(job);
+    house_ = true;
+    changed(*job);
+}
+
+std::optional<JobSnapshot> JobManager::wait_for_change(const std::string& id, uint64_t version,
+                                                       std::chrono::milliseconds time) const {
+    const auto end = SteadyClock::now() + time;
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        const auto at = by_id_.find(id);
+        if (at == by_id_.end()) return std::nullopt;
+        const JobPtr job = at->second;
+        const bool over = draining_ || is_terminal(job->seen.state);
+        if (over || job->seen.version != version || SteadyClock::now() >= end) {
+            return snapshot(*job);
+        }
+        changed_.wait_until(lock, end);
+    }
+}
+
+JobManager::Mend JobManager::mend(const std::string& id, int64_t unit) {
+    const std::lock_guard lock(mutex_);
+    const auto at = by_id_.find(id);
+    if (at == by_id_.end() || unit < 0) return Mend::kImpossible;
+    const auto number = static_cast<size_t>(unit);
+    if (not_mendable_.contains({at->second->seen.sequence, number})) return Mend::kImpossible;
+    to_mend_[at->second].insert(number);
+    work_.notify_all();
+    return Mend::kUnderWay;
+}
+
+std::vector<JobManager::JobPtr> JobManager::expired() const {
+    std::vector<JobPtr> finished;
+    for (const auto& [age, job] : by_age_) {
+        if (is_terminal(job->seen.state)) finished.push_back(job);
+    }
+    // Newest first; the first always stays.
+    std::sort(finished.begin(), finished.end(), [](const JobPtr& a, const JobPtr& b) {
+        return std::pair(a->seen.ended, a->seen.sequence) >
+               std::pair(b->seen.ended, b->seen.sequence);
+    });
+    const UnixMs oldest = unix_ms_now() - milliseconds(options_.keep_time);
+    std::vector<JobPtr> gone;
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < finished.size(); ++i) {
+        bytes += finished[i]->bytes;
+        const bool kept =
+            i == 0 || (i < options_.keep_jobs && bytes <= options_.keep_bytes && gone.empty());
+        const bool old = clock_is_steady() && finished[i]->seen.ended.value_or(0) < oldest;
+        if (!kept || old) gone.push_back(finished[i]);
+    }
+    return gone;
+}
+
+UnixMs JobManager::clock_offset() {
+    return unix_ms_now() - std::chrono::duration_cast<std::chrono::milliseconds>(
+                               SteadyClock::now().time_since_epoch())
+                               .count();
+}
+
+bool JobManager::clock_is_steady() const {
+    return std::abs(clock_offset() - clock_offset_) < milliseconds(1h);
+}
+
+Expired JobManager::expire(bool remove_them) {
+    Expired expired;
+    std::vector<JobPtr> gone;
+    {
+        const std::lock_guard lock(mutex_);
+        gone = this->expired();
+        for (const JobPtr& job : gone) {
+            expired.jobs.push_back(job->seen.id);
+            expired.bytes += job->bytes;
+            if (remove_them) forget(job);
+        }
+    }
+    if (remove_them) {
+        for (const JobPtr& job : gone) store_.remove(job->seen.sequence);
+    }
+    return expired;
 }
 
 void JobManager::drain(std::chrono::milliseconds grace) {
     std::unique_lock lock(mutex_);
     draining_ = true;
-    cancel_queued();
-    changed_.wait_for(lock, grace, [&] { return running_ == 0 || hurry_; });
-    for (const auto& [id, job] : by_id_) {
-        if (job->seen.state != JobState::kRunning) continue;
+    changed_.notify_all();
+    for (const JobPtr& job : mending_) job->cancel_mending.cancel();
+    changed_.wait_for(lock, grace, [&] { return running_.empty() || hurry_; });
+    for (const JobPtr& job : running_) {
+        job->stopped = true;
         job->cancel.cancel();
-        enter(*job, JobState::kCancelling);
     }
-    changed_.wait(lock, [&] { return running_ == 0; });
+    changed_.wait(lock, [&] { return running_.empty() && mending_.empty(); });
 }
 
 void JobManager::hurry() {
@@ -109,80 +301,54 @@ bool JobManager::draining() const {
     return draining_;
 }
 
-void JobManager::cancel_queued() {
-    for (const JobPtr& job : queue_) enter(*job, JobState::kCancelled);
-    queue_.clear();
+std::map<JobState, size_t> JobManager::counts() const {
+    std::map<JobState, size_t> counts;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, job] : by_id_) ++counts[job->seen.state];
+    return counts;
 }
 
-void JobManager::run_jobs(const std::stop_token& stop) {
+void JobManager::keep_house(const std::stop_token& stop) {
+    auto keys = SteadyClock::now();
     std::unique_lock lock(mutex_);
-    while (work_.wait(lock, stop, [&] { return !queue_.empty(); })) {
-        const JobPtr job = queue_.front();
-        queue_.pop_front();
-        ++running_;
-        job->started = job->progressed = SteadyClock::now();
-        enter(*job, JobState::kRunning);
+    while (!stop.stop_requested()) {
+        house_ = false;
         lock.unlock();
-        Outcome outcome = bake(*job);
+        try {
+            expire(true);
+            if (SteadyClock::now() >= keys) {
+                store_.forget_keys(unix_ms_now() - milliseconds(options_.key_time));
+                keys = SteadyClock::now() + 1min;
+            }
+            while (!stop.stop_requested() && store_.tidy()) {
+            }
+        } catch (const IoError&) {  // a full disk: there is another round
+        }
         lock.lock();
-        job->seen.failure = std::move(outcome.failure);
-        job->seen.warnings = std::move(outcome.warnings);
-        enter(*job, outcome.state, outcome.cause);
-        --running_;
-        changed_.notify_all();
-        forget_oldest(lock);
+        work_.wait_for(lock, stop, kHouseInterval, [&] { return house_; });
     }
 }
 
-JobManager::Outcome JobManager::bake(Job& job) {
-    const auto failed = [](std::string code, std::string detail, std::string cause) {
-        return Outcome{.state = JobState::kFailed,
-                       .failure = JobFailure{std::move(code), std::move(detail), {}},
-                       .cause = std::move(cause)};
-    };
-    try {
-        return bake_or_throw(job);
-    } catch (const Cancelled&) {
-        return {.state = JobState::kCancelled};
-    } catch (const SpecError& error) {
-        Outcome outcome = failed("scene", "scene and job do not fit", error.what());
-        outcome.failure->issues = error.issues();
-        return outcome;
-    } catch (const IoError& error) {
-        return failed("storage", error.what(), error.what());
-    } catch (const std::bad_alloc& error) {
-        return failed("memory", "the service ran out of memory", error.what());
-    } catch (const std::exception& error) {
-        return failed("internal", "an internal error, written to the service's log", error.what());
+JobManager::JobPtr JobManager::next_job() const {
+    if (draining_) return nullptr;
+    bool preparing = false;
+    std::map<std::string, size_t> running;
+    for (const JobPtr& job : running_) {
+        if (job->preparing && job->crashes > 0) return nullptr;
+        preparing = preparing || job->preparing;
+        ++running[job->seen.tenant];
     }
-}
-
-JobManager::Outcome JobManager::bake_or_throw(Job& job) {
-    const std::string& id = job.seen.id;
-    ArtifactStore::RowWriter rows(store_, id);
-    const Json report = run_bake(
-        {.job = job.request->spec,
-         .scene = [&](const CancelToken& cancel) { return scenes_(job.request->scene, cancel); },
-         .pool = pool_,
-         .cancel = job.cancel,
-         .sink = [&](const ProbeSpec& probe,
-                     const ProbeResult& result) { store_.publish(id, probe.id, result); },
-         .on_progress =
-             [&](const BakeProgress& progress) {
-                 const std::lock_guard lock(mutex_);
-                 job.seen.progress = progress;
-                 job.progressed = SteadyClock::now();
-             },
-         .row_sink = [&](const Json& row) { rows.add(row); }});
-    rows.commit();
-    store_.write_report(id, report);
-    return {.state = JobState::kSucceeded,
-            .warnings = report.at("warnings").get<std::vector<std::string>>()};
+    JobPtr next;
+    for (const JobPtr& job : queue_) {
+        if (preparing && job->crashes > 0) continue;
+        if (!next || running[job->seen.tenant] < running[next->seen.tenant]) next = job;
+    }
+    return next;
 }
 
 JobSnapshot JobManager::snapshot(const Job& job) const {
     JobSnapshot seen = job.seen;
-    if (!seen.started || seen.ended) return seen;
+    if (!job.running) return seen;
     seen.progress.seconds = seconds_since(job.started);
     if (seen.progress.seconds_left) {
         seen.progress.seconds_left =
@@ -193,33 +359,18 @@ JobSnapshot JobManager::snapshot(const Job& job) const {
 
 void JobManager::enter(Job& job, JobState state, const std::string& cause) {
     job.seen.state = state;
-    if (state == JobState::kRunning) job.seen.started = std::chrono::system_clock::now();
     if (is_terminal(state)) {
-        job.seen.ended = std::chrono::system_clock::now();
-        if (job.seen.started) job.seen.progress.seconds = seconds_since(job.started);
         job.seen.progress.seconds_left.reset();
-        job.request.reset();
-        finished_.push_back(by_id_.at(job.seen.id));
+        house_ = true;
+        work_.notify_all();
     }
+    changed(job);
     if (options_.on_change) options_.on_change(job.seen, cause);
 }
 
-void JobManager::forget_oldest(std::unique_lock<std::mutex>& lock) {
-    uint64_t bytes = 0;
-    for (const JobPtr& job : finished_) bytes += store_.bytes_of(job->seen.id);
-    std::vector<std::string> forgotten;
-    while (finished_.size() > 1 &&
-           (finished_.size() > options_.keep_jobs || bytes > options_.keep_bytes)) {
-        const JobPtr job = finished_.front();
-        finished_.pop_front();
-        bytes -= store_.bytes_of(job->seen.id);
-        by_id_.erase(job->seen.id);
-        by_age_.erase(job->seen.sequence);
-        forgotten.push_back(job->seen.id);
-    }
-    lock.unlock();  // a folder of many files takes a while
-    for (const std::string& id : forgotten) store_.remove_job(id);
-    lock.lock();
+void JobManager::changed(Job& job) {
+    ++job.seen.version;
+    changed_.notify_all();
 }
 
 }  // namespace probebake

@@ -1,12 +1,20 @@
 // JobManager: takes checked requests, bakes them, knows what became of them.
 //
-// At most `max_queued` jobs wait and `max_running` bake at once, each on a thread of its own; their
-// work units share the render pool, which starts units of different jobs in turn. Jobs are kept in
-// memory: the newest `keep_jobs` finished ones, and of these as many as fit into `keep_bytes` of
-// files (the newest always); older ones are forgotten with their files.
+// The store decides and remembers; this holds what is needed now: one entry per job, the queue, the
+// threads. A job is accepted, started, cancelled or ended when the store says it is on the disk,
+// and only then does anybody hear of it. At start every job is as the store has it: those that
+// wait or ran are queued again and go on at the unit where they were.
 //
-// Threads: everything may be called from any thread. Files are written before the state that
-// promises them is visible.
+// At most `max_queued` jobs wait and `max_running` bake at once, each on a thread of its own; their
+// work units share the render pool, which starts units of different jobs in turn. The next job is
+// one of the tenant with the fewest that run, the oldest first. A job under whose preparation the
+// process ended before prepares alone, so that no other is blamed.
+//
+// The newest `keep_jobs` finished jobs are kept, of these as many as fit into `keep_bytes` of files
+// (the newest always), and none longer than `keep_time`.
+//
+// Threads: everything may be called from any thread. mutex_ is never held while the store is waited
+// for.
 #pragma once
 
 #include <condition_variable>
@@ -16,14 +24,16 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "engine/render_pool.h"
-#include "jobs/artifact_store.h"
 #include "jobs/job.h"
+#include "jobs/rows.h"
+#include "store/job_store.h"
 
 namespace probebake {
 
@@ -32,20 +42,39 @@ class ServiceBusy : public std::runtime_error {
   public:
     ServiceBusy(std::string code, const std::string& detail)
         : std::runtime_error(detail), code_(std::move(code)) {}
+    /// "queue-full", "draining", "disk-full" or "quota"
     const std::string& code() const { return code_; }
 
   private:
-    std::string code_;  // "queue-full" or "draining"
+    std::string code_;
 };
 
-/// Loads the scene of a file, or takes it from a cache. Throws what SceneCache::get throws.
-using SceneSource =
-    std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)>;
+/// Thrown for an idempotency key that came with another request before.
+class KeyReused : public std::exception {};
+
+/// What jobs need of the scenes.
+struct SceneSource {
+    /// No value where there is none of that name. Throws what SceneLibrary::find throws.
+    std::function<std::optional<SceneFile>(const std::string&)> find;
+    /// Loads the scene, or takes it from a cache. Throws what SceneCache::get throws.
+    std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)> load;
+};
+
+/// Files of a job that has SUCCEEDED.
+inline constexpr const char* kReportFile = "report.json";
+inline constexpr const char* kRowFile = "probes.jsonl";
 
 struct JobQuery {
     std::optional<JobState> state;
-    std::optional<uint64_t> before;  // sequence number: only older jobs
+    std::optional<std::string> tenant;  // none: of all
+    std::optional<int64_t> before;      // sequence number: only older jobs
     size_t count = 100;
+};
+
+/// Finished jobs that are kept no longer.
+struct Expired {
+    std::vector<std::string> jobs;
+    uint64_t bytes = 0;
 };
 
 class JobManager {
@@ -53,41 +82,71 @@ class JobManager {
     struct Options {
         int max_running = 4;
         size_t max_queued = 64;
+        /// Of one tenant, waiting and running.
+        size_t max_per_tenant = 64;
         size_t keep_jobs = 100;
         uint64_t keep_bytes = uint64_t{16} << 30;
+        std::chrono::seconds keep_time = std::chrono::hours(24 * 30);
+        /// How long an idempotency key is known.
+        std::chrono::seconds key_time = std::chrono::hours(24);
         /// Told of every change of state, one call at a time; `cause` is the text of an exception
         /// that the client is not shown. Must not call the manager.
         std::function<void(const JobSnapshot&, const std::string& cause)> on_change;
+        /// Told when damaged files were made again, or could not be: `cause` then says why.
+        std::function<void(const std::string& id, size_t units, const std::string& cause)> on_mend;
     };
+    struct Submitted {
+        JobSnapshot job;
+        bool replayed = false;
+    };
+    enum class Mend { kUnderWay, kImpossible };
 
-    JobManager(RenderPool& pool, ArtifactStore& store, SceneSource scenes, Options options);
-    /// Cancels every job and waits for those that run.
+    JobManager(RenderPool& pool, JobStore& store, SceneSource scenes, Options options);
+    /// Stops every job where it is; they go on at the next start.
     ~JobManager();
     JobManager(const JobManager&) = delete;
     JobManager& operator=(const JobManager&) = delete;
 
-    /// Throws ServiceBusy.
-    JobSnapshot submit(JobRequest request);
+    /// Durable when it returns. Throws ServiceBusy, KeyReused, and IoError where the scene cannot
+    /// be read.
+    Submitted submit(const JobRequest& request);
     std::optional<JobSnapshot> find(const std::string& id) const;
     /// Newest first.
     std::vector<JobSnapshot> list(const JobQuery& query) const;
     /// What became of it: CANCELLED where it was queued, CANCELLING where it runs; a terminal job
     /// stays as it is. No value for an unknown id.
     std::optional<JobSnapshot> cancel(const std::string& id);
+    /// Forgets a terminal job and its files; false where it is not terminal or not there.
+    bool remove(const std::string& id);
+    /// Waits until the job's version is another one, at most for `time`.
+    std::optional<JobSnapshot> wait_for_change(const std::string& id, uint64_t version,
+                                               std::chrono::milliseconds time) const;
+    /// A finished unit's file was found damaged: the unit is baked again.
+    Mend mend(const std::string& id, int64_t unit);
 
-    /// Takes no more jobs, cancels those that wait, gives running ones `grace` to end, then cancels
-    /// them; returns when none runs.
+    /// What retention would remove now; `remove_them`: and does.
+    Expired expire(bool remove_them);
+
+    /// Takes no more jobs, gives running ones `grace` to end, then stops them where they are;
+    /// returns when none runs. What waits and what was stopped goes on at the next start.
     void drain(std::chrono::milliseconds grace);
     /// Ends the grace of a drain() now.
     void hurry();
     bool draining() const;
     const Options& options() const { return options_; }
+    std::map<JobState, size_t> counts() const;
 
   private:
     struct Job {
         JobSnapshot seen;  // guarded by mutex_
+        std::string scene_sha256;
+        int64_t crashes = 0;
+        uint64_t bytes = 0;      // of its files, once it has ended
+        bool running = false;    // on one of the threads
+        bool preparing = false;  // loading, lighting, pilot
         CancelToken cancel;
-        std::optional<JobRequest> request;  // until the job has ended
+        CancelToken cancel_mending;
+        bool stopped = false;  // by the end of the service, not by a client
         std::chrono::steady_clock::time_point started;
         std::chrono::steady_clock::time_point progressed;
     };
@@ -96,38 +155,57 @@ class JobManager {
         std::optional<JobFailure> failure;
         std::vector<std::string> warnings;
         std::string cause;  // for the log
+        std::vector<JobStore::WrittenFile> files;
+        std::vector<std::shared_ptr<TemporaryFile>> temporary;  // those of `files`
     };
     using JobPtr = std::shared_ptr<Job>;
 
+    static UnixMs clock_offset();
+    void load_jobs();
     void run_jobs(const std::stop_token& stop);
+    void keep_house(const std::stop_token& stop);
+    // job_run.cpp: what a thread does with one job.
+    void run(const JobPtr& job);
     Outcome bake(Job& job);
     Outcome bake_or_throw(Job& job);
+    /// The request and its scene file, unchanged since the job was accepted. Throws SceneChanged.
+    JobRequest request_of(const Job& job);
+    BakeHistory history_of(const Job& job, const JobSpec& spec);
+    void run_mend(const JobPtr& job, const std::set<size_t>& units);
+    void end(const JobPtr& job, const Outcome& outcome);
     // With mutex_ held:
+    bool clock_is_steady() const;
+    JobPtr next_job() const;
     JobSnapshot snapshot(const Job& job) const;
     void enter(Job& job, JobState state, const std::string& cause = {});
-    void cancel_queued();
-    /// Releases the lock while it removes files.
-    void forget_oldest(std::unique_lock<std::mutex>& lock);
+    void changed(Job& job);
+    std::vector<JobPtr> expired() const;
+    void forget(const JobPtr& job);
 
     RenderPool& pool_;
-    ArtifactStore& store_;
+    JobStore& store_;
     const SceneSource scenes_;
     const Options options_;
 
     mutable std::mutex mutex_;
     // Guarded by mutex_:
-    std::condition_variable_any work_;  // the queue grew
-    std::condition_variable changed_;   // a job ended, or hurry()
+    std::condition_variable_any work_;             // the queue may have a next job
+    mutable std::condition_variable_any changed_;  // a job changed, or hurry()
     std::map<std::string, JobPtr> by_id_;
-    std::map<uint64_t, JobPtr> by_age_;  // by sequence number
+    std::map<int64_t, JobPtr> by_age_;  // by sequence number
     std::deque<JobPtr> queue_;
-    std::deque<JobPtr> finished_;  // oldest first
-    uint64_t accepted_ = 0;
-    int running_ = 0;
+    std::set<JobPtr> running_;
+    std::map<JobPtr, std::set<size_t>> to_mend_;
+    std::set<std::pair<int64_t, size_t>> not_mendable_;
+    size_t submitting_ = 0;
+    /// Wall clock less steady clock at start: a jump of the wall clock makes nothing old.
+    const UnixMs clock_offset_ = clock_offset();
+    std::set<JobPtr> mending_;
+    bool house_ = true;  // something ended: there may be something to tidy up
     bool draining_ = false;
     bool hurry_ = false;
 
-    std::vector<std::jthread> runners_;  // the last member: they use all of the above
+    std::vector<std::jthread> threads_;  // the last member: they use all of the above
 };
 
 }  // namespace probebake

@@ -31,7 +31,7 @@ TEST(Job, OtherTextsAreNoIds) {
 }
 
 TEST(Job, TimesAreRfc3339InUtc) {
-    const auto time = WallTime(std::chrono::milliseconds(951'782'400'007));
+    const auto time = UnixMs{951'782'400'007};
     EXPECT_EQ(rfc3339(time), "2000-02-29T00:00:00.007Z");
 }
 

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "temp_folder.h"
@@ -21,21 +22,32 @@ namespace probebake::test {
 
 class Process {
   public:
+    struct Program {
+        std::string path = PROBEBAKE_BINARY;
+        std::vector<std::string> environment = {};  // "NAME=value", besides ours
+    };
     /// Starts probebake with these arguments; what it writes goes into files of the folder.
     Process(const std::filesystem::path& folder, std::vector<std::string> args)
+        : Process(folder, std::move(args), Program{}) {}
+    Process(const std::filesystem::path& folder, std::vector<std::string> args, Program program)
         : out_(folder / "stdout"), err_(folder / "stderr") {
         std::filesystem::create_directories(folder);
-        args.insert(args.begin(), PROBEBAKE_BINARY);
+        args.insert(args.begin(), program.path);
         std::vector<char*> argv;
         argv.reserve(args.size() + 1);
         for (std::string& arg : args) argv.push_back(arg.data());
         argv.push_back(nullptr);
+        std::vector<char*> variables;
+        for (char** at = environ; *at != nullptr; ++at) variables.push_back(*at);
+        for (std::string& variable : program.environment) variables.push_back(variable.data());
+        variables.push_back(nullptr);
         posix_spawn_file_actions_t actions;
         ::posix_spawn_file_actions_init(&actions);
         constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
         ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), kFlags, 0644);
         ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_.c_str(), kFlags, 0644);
-        const int error = ::posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
+        const int error =
+            ::posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), variables.data());
         ::posix_spawn_file_actions_destroy(&actions);
         if (error != 0) throw std::runtime_error("cannot start " + args[0]);
     }

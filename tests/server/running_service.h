@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "net_jobs.h"
+#include "openapi_check.h"
 #include "service.h"
 
 namespace probebake::test {
@@ -51,11 +52,18 @@ class RunningService {
     void stop() { service_.reset(); }
 
     Answer get(const std::string& path, const httplib::Headers& headers = {}) const {
-        return answer(client().Get(path, headers));
+        return answer("GET", path, client().Get(path, headers));
     }
     Answer post(const std::string& path, const std::string& body = {},
                 const char* type = "application/json") const {
-        return answer(body.empty() ? client().Post(path) : client().Post(path, body, type));
+        return answer("POST", path,
+                      body.empty() ? client().Post(path) : client().Post(path, body, type));
+    }
+    Answer post(const std::string& path, const httplib::Headers& headers, const Json& body) const {
+        return answer("POST", path, client().Post(path, headers, body.dump(), "application/json"));
+    }
+    Answer remove(const std::string& path, const httplib::Headers& headers = {}) const {
+        return answer("DELETE", path, client().Delete(path, headers));
     }
     Answer post(const std::string& path, const Json& body) const { return post(path, body.dump()); }
     httplib::Client client() const {
@@ -101,11 +109,14 @@ class RunningService {
 
   private:
     void start() { service_ = std::make_unique<Service>(options_); }
-    static Answer answer(const httplib::Result& result) {
+    static Answer answer(const std::string& method, const std::string& path,
+                         const httplib::Result& result) {
         if (!result) {
             ADD_FAILURE() << "no answer: " << httplib::to_string(result.error());
             return {};
         }
+        expect_described(method, path, result->status, result->get_header_value("Content-Type"),
+                         result->body);
         return {result->status, result->body, result->headers};
     }
 

@@ -147,7 +147,13 @@ TEST_F(ServeTest, SigtermEndsItCleanlyWithinTheGrace) {
         service_->signal(number);
         EXPECT_EQ(service_->wait(), 0) << service_->err();
         EXPECT_LT(std::chrono::steady_clock::now() - start, 2300ms);
-        EXPECT_NE(service_->err().find("\"state\":\"CANCELLED\""), std::string::npos);
+        EXPECT_NE(service_->err().find("\"event\":\"stopped\""), std::string::npos);
+        // It goes on where it was.
+        serve();
+        EXPECT_GT(parse_json(client({"status", id, "--json"}).out)["progress"]["units_done"], 0);
+        EXPECT_EQ(client({"cancel", id}).code, 0);
+        client({"wait", id});
+        service_.reset();
     }
 }
 
@@ -235,7 +241,9 @@ TEST_F(ServeTest, EveryOptionOfTheExampleIsOne) {
              {"probebake-data", path("data")},
              {"\"configs/scenes\"", "\"" + path("scenes") + "\""},
              {"probebake-cache", path("cache")},
+             {"\"tokens.json\"", "\"" + path("tokens.json") + "\""},
              {"probebake.port", path("port")}}) {
+        write_text(path("tokens.json"), R"({"tokens": []})");
         const size_t at = text.find(from);
         ASSERT_NE(at, std::string::npos) << from;
         text.replace(at, from.size(), to);

@@ -1,4 +1,4 @@
-#include "jobs/open_file.h"
+#include "store/open_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,0 +1,134 @@
+#include "http/metrics.h"
+
+#include <prometheus/text_serializer.h>
+
+#include <array>
+
+namespace probebake {
+namespace {
+
+using prometheus::BuildCounter;
+using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
+
+const prometheus::Histogram::BucketBoundaries kRequestSeconds = {
+    0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 5.0, 30.0};
+const prometheus::Histogram::BucketBoundaries kJobSeconds = {0.1,  0.5,   1.0,    5.0,    10.0,
+                                                             60.0, 300.0, 1800.0, 7200.0, 86400.0};
+
+/// The methods that we know: a client must not make labels.
+std::string method_label(const std::string& method) {
+    constexpr std::array<std::string_view, 7> kKnown = {"GET",    "HEAD",  "POST",   "PUT",
+                                                        "DELETE", "PATCH", "OPTIONS"};
+    for (const std::string_view known : kKnown) {
+        if (method == known) return method;
+    }
+    return "other";
+}
+
+double seconds(UnixMs from, UnixMs to) {
+    return std::max(0.0, static_cast<double>(to - from) / 1000.0);
+}
+
+void raise_to(prometheus::Counter& counter, double value) {
+    if (value > counter.Value()) counter.Increment(value - counter.Value());
+}
+
+}  // namespace
+
+Metrics::Metrics()
+    : requests_(BuildCounter()
+                    .Name("probebake_http_requests_total")
+                    .Help("Requests by method and status")
+                    .Register(registry_)),
+      request_seconds_(BuildHistogram()
+                           .Name("probebake_http_request_seconds")
+                           .Help("From accepting a connection to the end of its answer")
+                           .Register(registry_)
+                           .Add({}, kRequestSeconds)),
+      ended_(BuildCounter()
+                 .Name("probebake_jobs_ended_total")
+                 .Help("Jobs by the state in which they ended")
+                 .Register(registry_)),
+      queue_seconds_(BuildHistogram()
+                         .Name("probebake_job_queue_seconds")
+                         .Help("From acceptance to start")
+                         .Register(registry_)
+                         .Add({}, kJobSeconds)),
+      bake_seconds_(BuildHistogram()
+                        .Name("probebake_job_seconds")
+                        .Help("From start to end")
+                        .Register(registry_)
+                        .Add({}, kJobSeconds)),
+      units_(BuildCounter()
+                 .Name("probebake_units_total")
+                 .Help("Probes times lighting states of jobs that ended")
+                 .Register(registry_)
+                 .Add({})),
+      mended_(BuildCounter()
+                  .Name("probebake_damaged_units_total")
+                  .Help("Units whose files were found damaged, by what became of them")
+                  .Register(registry_)),
+      jobs_(BuildGauge()
+                .Name("probebake_jobs")
+                .Help("Jobs that are known, by state")
+                .Register(registry_)),
+      commits_(BuildCounter()
+                   .Name("probebake_store_commits_total")
+                   .Help("Transactions on the disk")
+                   .Register(registry_)
+                   .Add({})),
+      writes_(BuildCounter()
+                  .Name("probebake_store_writes_total")
+                  .Help("Writes in these transactions")
+                  .Register(registry_)
+                  .Add({})),
+      commit_seconds_(BuildCounter()
+                          .Name("probebake_store_commit_seconds_total")
+                          .Help("Time that transactions took")
+                          .Register(registry_)
+                          .Add({})),
+      disk_free_(BuildGauge()
+                     .Name("probebake_disk_free_bytes")
+                     .Help("Room on the disk of the data directory")
+                     .Register(registry_)
+                     .Add({})) {}
+
+void Metrics::count_request(const RequestLog& request) {
+    requests_
+        .Add({{"method", method_label(request.method)}, {"status", std::to_string(request.status)}})
+        .Increment();
+    request_seconds_.Observe(request.seconds);
+}
+
+void Metrics::count_job(const JobSnapshot& job) {
+    if (job.state == JobState::kRunning && job.started) {
+        queue_seconds_.Observe(seconds(job.created, *job.started));
+    }
+    if (!is_terminal(job.state)) return;
+    ended_.Add({{"state", std::string(name_of(job.state))}}).Increment();
+    units_.Increment(static_cast<double>(job.progress.units_done));
+    if (job.started && job.ended) bake_seconds_.Observe(seconds(*job.started, *job.ended));
+}
+
+void Metrics::count_mended(size_t units, bool mended) {
+    mended_.Add({{"result", mended ? "mended" : "lost"}}).Increment(static_cast<double>(units));
+}
+
+std::string Metrics::scrape(const JobManager& jobs, const JobStore& store) {
+    const std::map<JobState, size_t> counts = jobs.counts();
+    for (int i = 0; i <= static_cast<int>(JobState::kCancelled); ++i) {
+        const auto state = static_cast<JobState>(i);
+        const auto at = counts.find(state);
+        jobs_.Add({{"state", std::string(name_of(state))}})
+            .Set(at == counts.end() ? 0.0 : static_cast<double>(at->second));
+    }
+    const JobStore::Counts store_counts = store.counts();
+    raise_to(commits_, static_cast<double>(store_counts.commits));
+    raise_to(writes_, static_cast<double>(store_counts.writes));
+    raise_to(commit_seconds_, store_counts.commit_seconds);
+    disk_free_.Set(static_cast<double>(store.data().free_bytes()));
+    return prometheus::TextSerializer().Serialize(registry_.Collect());
+}
+
+}  // namespace probebake

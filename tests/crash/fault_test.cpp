@@ -1,0 +1,54 @@
+// C4 and C9: the disk is full, fails or has no descriptor left, at every step.
+#include <sstream>
+
+#include "crash_fixture.h"
+
+namespace probebake {
+namespace {
+
+using test::Process;
+using test::TempFolder;
+
+class FaultTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(FaultTest, NothingThatWasPromisedIsLost) {
+    if (test::sanitized()) GTEST_SKIP() << "the shim and a sanitizer do not go together";
+    // Every n-th operation; 0: every one.
+    const int wanted = test::form("PROBEBAKE_FAULTS", 25);
+    constexpr int kOperations = 400;  // about as many as the workload has
+    const int step = std::max(1, kOperations / std::max(1, wanted));
+    int refused = 0;
+    int ended = 0;
+    int unharmed = 0;
+    for (int n = 1; unharmed < 2 && n < 5000; n += step) {
+        const TempFolder folder;
+        const std::string data = (folder.path() / "data").string();
+        const std::string ack = (folder.path() / "ack").string();
+        Process workload(folder.path() / "workload", {data, ack, "8"},
+                         test::shimmed(PROBEBAKE_WORKLOAD, {"SHIM_ROOT=" + data,
+                                                            std::string("SHIM_FAIL=") + GetParam() +
+                                                                ":" + std::to_string(n)}));
+        const std::optional<int> code = workload.wait();
+        ASSERT_TRUE(code == 0 || code == 3 || code == 74)
+            << "step " << n << ": " << code.value_or(-2) << workload.err();
+        if (code != 0) {
+            const std::string said = workload.err();
+            EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+        }
+        refused += code == 3 ? 1 : 0;
+        ended += code == 74 ? 1 : 0;
+        unharmed += code == 0 ? 1 : 0;
+        EXPECT_EQ(test::check_store(data, test::read_promises(test::read_text(ack)), true),
+                  test::kKept)
+            << "step " << n;
+    }
+    std::cout << GetParam() << ": " << refused << " times refused with an error, " << ended
+              << " times ended to recover, " << unharmed << " times unharmed\n";
+    EXPECT_GT(refused + ended, 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, FaultTest, testing::Values("enospc", "eio", "emfile"),
+                         [](const auto& kind) { return std::string(kind.param); });
+
+}  // namespace
+}  // namespace probebake

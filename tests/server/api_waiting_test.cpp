@@ -1,0 +1,231 @@
+// Idempotent submission, waiting, events, parts of files, archives, deletion, metrics.
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include "http/file_answer.h"
+#include "io/sha256.h"
+#include "running_service.h"
+
+namespace probebake {
+namespace {
+
+using test::Answer;
+using test::RunningService;
+
+std::string path_of(const std::string& id) { return "/v1/bakes/" + id; }
+
+TEST(ApiWaiting, AKeyMakesASubmissionOneJob) {
+    RunningService service;
+    const Json request = test::net_request(1);
+    const Answer first = service.post("/v1/bakes", {{"Idempotency-Key", "a-1"}}, request);
+    const Answer again = service.post("/v1/bakes", {{"Idempotency-Key", "a-1"}}, request);
+    ASSERT_EQ(first.status, 202);
+    EXPECT_EQ(again.status, 202);
+    EXPECT_EQ(again.header("Idempotency-Replayed"), "true");
+    EXPECT_EQ(again.json().at("id"), first.json().at("id"));
+    EXPECT_EQ(again.header("Location"), first.header("Location"));
+    const Answer other =
+        service.post("/v1/bakes", {{"Idempotency-Key", "a-1"}}, test::net_request(2));
+    EXPECT_EQ(other.status, 422);
+    EXPECT_EQ(other.json().at("type"), "urn:probebake:key-reused");
+    service.restart();
+    EXPECT_EQ(service.post("/v1/bakes", {{"Idempotency-Key", "a-1"}}, request).json().at("id"),
+              first.json().at("id"));
+    EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 1U);
+    for (const std::string& bad : {std::string(256, 'k'), std::string("a b"), std::string("%41")}) {
+        EXPECT_EQ(service.post("/v1/bakes", {{"Idempotency-Key", bad}}, request).status, 400)
+            << bad;
+    }
+}
+
+TEST(ApiWaiting, ASubmissionMayWaitForItsEnd) {
+    RunningService service;
+    const Answer done = service.post("/v1/bakes", {{"Prefer", "wait=30"}}, test::net_request(1));
+    EXPECT_EQ(done.status, 201);
+    EXPECT_EQ(done.json().at("state"), "SUCCEEDED");
+    const double seconds = test::seconds_of([&] {
+        const Answer slow =
+            service.post("/v1/bakes", {{"Prefer", "wait=1"}}, test::costly_request(5000, 8));
+        EXPECT_EQ(slow.status, 202);
+    });
+    EXPECT_GE(seconds, 1.0);
+    EXPECT_LT(seconds, 5.0);
+}
+
+TEST(ApiWaiting, AStatusHasATagAndMayBeWaitedFor) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(1));
+    const Answer ended = service.get(path_of(id));
+    const std::string etag = ended.header("ETag");
+    ASSERT_FALSE(etag.empty());
+    EXPECT_EQ(service.get(path_of(id), {{"If-None-Match", etag}}).status, 304);
+    // A job that has ended does not keep anybody waiting.
+    EXPECT_LT(test::seconds_of([&] {
+                  service.get(path_of(id), {{"If-None-Match", etag}, {"Prefer", "wait=20"}});
+              }),
+              5.0);
+    service.restart();
+    EXPECT_EQ(service.get(path_of(id), {{"If-None-Match", etag}}).status, 200)
+        << "a tag of an earlier run";
+
+    const std::string running = service.submit(test::costly_request(5000, 8));
+    Answer now = service.get(path_of(running));
+    for (int i = 0; i < 5; ++i) {
+        const Answer next = service.get(
+            path_of(running), {{"If-None-Match", now.header("ETag")}, {"Prefer", "wait=20"}});
+        EXPECT_EQ(next.status, 200);
+        EXPECT_NE(next.header("ETag"), now.header("ETag"));
+        now = next;
+    }
+    service.post(path_of(running) + ":cancel");
+}
+
+TEST(ApiWaiting, EventsEndWithTheJobAndGoOnWhereTheyBrokeOff) {
+    RunningService service;
+    const std::string id = service.submit(test::net_request(6, 16));
+    const Answer all = service.get(path_of(id) + "/events");
+    EXPECT_EQ(all.status, 200);
+    EXPECT_EQ(all.header("Content-Type"), "text/event-stream");
+    EXPECT_NE(all.body.find("event: status\nid: "), std::string::npos) << all.body;
+    const size_t end = all.body.find("event: end\nid: ");
+    ASSERT_NE(end, std::string::npos) << all.body;
+    EXPECT_NE(all.body.find("\"state\":\"SUCCEEDED\"", end), std::string::npos);
+    const size_t begin = end + std::string("event: end\nid: ").size();
+    const std::string last = all.body.substr(begin, all.body.find('\n', begin) - begin);
+    const Answer again = service.get(path_of(id) + "/events", {{"Last-Event-ID", last}});
+    EXPECT_EQ(again.body.find("event:"), std::string::npos) << "all of it was seen";
+    const Answer missed = service.get(path_of(id) + "/events", {{"Last-Event-ID", "x.1"}});
+    EXPECT_NE(missed.body.find("event: end"), std::string::npos);
+}
+
+TEST(ApiWaiting, WaitersLeaveHalfOfTheThreadsAlone) {
+    RunningService service([](ServiceOptions& options) { options.http.pool.workers = 4; });
+    const std::string id = service.submit(test::costly_request(20000, 16));
+    std::vector<std::jthread> waiters;
+    for (int i = 0; i < 2; ++i) {
+        waiters.emplace_back([&] { service.get(path_of(id) + "/events"); });
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const Answer refused = service.get(path_of(id) + "/events");
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_EQ(refused.json().at("type"), "urn:probebake:too-many-waiting");
+    EXPECT_EQ(service.get("/healthz").status, 200);
+    service.post(path_of(id) + ":cancel");
+}
+
+TEST(Ranges, AreReadAsRfc9110HasThem) {
+    const auto read = [](const char* text) {
+        const auto range = read_range(text, 100);
+        return range ? std::to_string(range->first) + "+" + std::to_string(range->bytes)
+                     : std::string("none");
+    };
+    EXPECT_EQ(read("bytes=0-9"), "0+10");
+    EXPECT_EQ(read("bytes=90-"), "90+10");
+    EXPECT_EQ(read("bytes=90-1000"), "90+10");
+    EXPECT_EQ(read("bytes=-5"), "95+5");
+    EXPECT_EQ(read("bytes=-500"), "0+100");
+    EXPECT_EQ(read("bytes=-0"), "100+0");
+    EXPECT_EQ(read("bytes=100-"), "100+0");
+    EXPECT_EQ(read("bytes=18446744073709551615-18446744073709551615"), "18446744073709551615+0");
+    for (const char* bad :
+         {"", "bytes", "bytes=", "bytes=-", "bytes=5-4", "bytes=a-b", "bytes=1", "chunks=0-1",
+          "bytes=0-1,2-3", "bytes= 0-1", "bytes=--1", "bytes=99999999999999999999-"}) {
+        EXPECT_EQ(read(bad), "none") << bad;
+    }
+}
+
+TEST(ApiFiles, APartOfAFileIsAnswered) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(1));
+    const std::string file = path_of(id) + "/probes/p0/albedo/cube.exr";
+    const Answer whole = service.get(file);
+    EXPECT_EQ(whole.header("Repr-Digest").rfind("sha-256=:", 0), 0U);
+    EXPECT_EQ(whole.header("Repr-Digest").size(), 9 + 44 + 1U);
+    const Answer part = service.get(file, {{"Range", "bytes=10-19"}});
+    EXPECT_EQ(part.status, 206);
+    EXPECT_EQ(part.body, whole.body.substr(10, 10));
+    EXPECT_EQ(part.header("Content-Range"), "bytes 10-19/" + std::to_string(whole.body.size()));
+    EXPECT_EQ(part.header("Content-Length"), "10");
+    EXPECT_EQ(part.header("Repr-Digest"), whole.header("Repr-Digest")) << "of the whole";
+    EXPECT_EQ(service.get(file, {{"Range", "bytes=-4"}}).body,
+              whole.body.substr(whole.body.size() - 4));
+    const Answer beyond = service.get(file, {{"Range", "bytes=99999999-"}});
+    EXPECT_EQ(beyond.status, 416);
+    EXPECT_EQ(beyond.header("Content-Range"), "bytes */" + std::to_string(whole.body.size()));
+    // Several are answered as none; and a part of another version would be of no use.
+    EXPECT_EQ(service.get(file, {{"Range", "bytes=0-1,4-5"}}).body, whole.body);
+    EXPECT_EQ(service.get(file, {{"Range", "bytes=0-1"}, {"If-Range", "\"x\""}}).status, 200);
+    EXPECT_EQ(
+        service.get(file, {{"Range", "bytes=0-1"}, {"If-Range", whole.header("ETag")}}).status,
+        206);
+}
+
+TEST(ApiFiles, AnArchiveHoldsEveryFile) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(3));
+    const Answer tar = service.get(path_of(id) + "/archive.tar");
+    ASSERT_EQ(tar.status, 200);
+    EXPECT_EQ(tar.header("Content-Type"), "application/x-tar");
+    const test::TempFolder folder;
+    test::write_text(folder.path() / "a.tar", tar.body);
+    const std::string command =
+        "tar -xf " + (folder.path() / "a.tar").string() + " -C " + folder.path().string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const Json manifest = parse_json(test::read_text(folder.path() / id / "manifest.json"));
+    EXPECT_EQ(manifest.at("files").size(), 4U);
+    for (const Json& file : manifest.at("files")) {
+        const std::string bytes =
+            test::read_text(folder.path() / id / file.at("name").get<std::string>());
+        EXPECT_EQ(bytes.size(), file.at("bytes"));
+        EXPECT_EQ(sha256_hex(std::as_bytes(std::span(bytes))), file.at("sha256"));
+    }
+    const std::string running = service.submit(test::costly_request(5000, 8));
+    EXPECT_EQ(service.get(path_of(running) + "/archive.tar").status, 409);
+}
+
+TEST(ApiRetention, AFinishedJobCanBeDeleted) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(1));
+    EXPECT_EQ(service.remove(path_of(id) + "?dry_run=true").status, 204);
+    EXPECT_EQ(service.get(path_of(id)).status, 200);
+    EXPECT_EQ(service.remove(path_of(id) + "?dry_run=maybe").status, 400);
+    EXPECT_EQ(service.remove(path_of(id)).status, 204);
+    EXPECT_EQ(service.get(path_of(id)).status, 404);
+    EXPECT_EQ(service.remove(path_of(id)).status, 404);
+    const std::string running = service.submit(test::costly_request(5000, 8));
+    EXPECT_EQ(service.remove(path_of(running)).status, 409);
+    const Json expired = service.post("/v1/bakes:expire?dry_run=true").json();
+    EXPECT_EQ(expired.at("bakes").size(), 0U);
+}
+
+TEST(ApiAbout, MetricsAndReadiness) {
+    RunningService service;
+    service.bake(test::net_request(2));
+    const Answer metrics = service.get("/metrics");
+    ASSERT_EQ(metrics.status, 200);
+    for (const char* line : {"probebake_jobs{state=\"SUCCEEDED\"} 1", "probebake_units_total 2",
+                             "probebake_http_requests_total{method=\"POST\",status=\"202\"} 1",
+                             "probebake_jobs_ended_total{state=\"SUCCEEDED\"} 1",
+                             "probebake_store_commits_total", "probebake_disk_free_bytes"}) {
+        EXPECT_NE(metrics.body.find(line), std::string::npos) << line << "\n" << metrics.body;
+    }
+    EXPECT_EQ(service.get("/readyz").json().at("ready"), true);
+    RunningService full(
+        [](ServiceOptions& options) { options.store.min_free_bytes = ~uint64_t{0}; });
+    EXPECT_EQ(full.get("/readyz").status, 503);
+    const Answer refused = full.post("/v1/bakes", test::net_request(1));
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_EQ(refused.json().at("type"), "urn:probebake:disk-full");
+}
+
+TEST(ApiAbout, EveryRouteIsDescribed) {
+    const test::OpenApiCheck check;
+    EXPECT_EQ(check.operations(), Api::route_names().size());
+    for (const auto& [method, pattern] : Api::route_names()) {
+        EXPECT_TRUE(check.describes(method, pattern)) << method << " " << pattern;
+    }
+}
+
+}  // namespace
+}  // namespace probebake

@@ -1,0 +1,127 @@
+// Answers held against the service's own description of them (openapi.json): is this status
+// described for this path and method, and is the body what the schema says? Of JSON Schema, what
+// the document uses.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "http/openapi.h"
+#include "http/router.h"
+#include "io/json.h"
+
+namespace probebake::test {
+
+class OpenApiCheck {
+  public:
+    OpenApiCheck() : document_(Json::parse(openapi_text())) {
+        for (const auto& [path, methods] : document_.at("paths").items()) {
+            for (const auto& [method, operation] : methods.items()) {
+                std::string upper = method;
+                for (char& c : upper) c = static_cast<char>(std::toupper(c));
+                router_.add(upper, path);
+                operations_.push_back(&operation);
+            }
+        }
+    }
+
+    /// What is wrong with an answer, one line each; nothing is said of paths that are not there.
+    std::vector<std::string> problems(const std::string& method, const std::string& target,
+                                      int status, const std::string& type,
+                                      const std::string& body) const {
+        const Router::Match match = router_.find(method, target.substr(0, target.find('?')));
+        std::vector<std::string> problems;
+        const std::string where = method + " " + target + " " + std::to_string(status);
+        if (!match.route) return problems;
+        const Json& responses = operations_[*match.route]->at("responses");
+        const std::string code = std::to_string(status);
+        if (!responses.contains(code) && status < 400) return {where + " is not described"};
+        const Json& response = resolve(responses.at(responses.contains(code) ? code : "default"));
+        if (!response.contains("content")) {
+            if (!body.empty()) problems.push_back(where + " has a body");
+            return problems;
+        }
+        const std::string plain = type.substr(0, type.find(';'));
+        if (!response["content"].contains(plain)) return {where + " is of type " + type};
+        if (method != "HEAD" && plain.ends_with("json")) {
+            check(response["content"][plain]["schema"], parse_json(body), where, problems);
+        }
+        return problems;
+    }
+
+    bool describes(const std::string& method, const std::string& pattern) const {
+        std::string lower = method;
+        for (char& c : lower) c = static_cast<char>(std::tolower(c));
+        return document_["paths"].contains(pattern) && document_["paths"][pattern].contains(lower);
+    }
+    size_t operations() const { return operations_.size(); }
+
+  private:
+    const Json& resolve(const Json& schema) const {
+        if (!schema.contains("$ref")) return schema;
+        return document_.at(Json::json_pointer(schema["$ref"].get<std::string>().substr(1)));
+    }
+    static bool is(const Json& value, const std::string& type) {
+        if (type == "integer") return value.is_number_integer();
+        if (type == "number") return value.is_number();
+        if (type == "null") return value.is_null();
+        return value.type_name() == type;
+    }
+    void check(const Json& given, const Json& value, const std::string& where,
+               std::vector<std::string>& problems) const {
+        const Json& schema = resolve(given);
+        if (schema.contains("type")) {
+            const Json types =
+                schema["type"].is_array() ? schema["type"] : Json::array({schema["type"]});
+            bool any = false;
+            for (const Json& type : types) any = any || is(value, type);
+            if (!any) problems.push_back(where + ": is a " + value.type_name());
+        }
+        if (schema.contains("enum") && std::find(schema["enum"].begin(), schema["enum"].end(),
+                                                 value) == schema["enum"].end()) {
+            problems.push_back(where + ": is none of the values");
+        }
+        if (schema.contains("const") && schema["const"] != value) {
+            problems.push_back(where + ": is another value");
+        }
+        if (schema.contains("minimum") && value.is_number() && value < schema["minimum"]) {
+            problems.push_back(where + ": is too small");
+        }
+        for (const Json& name : schema.value("required", Json::array())) {
+            if (!value.contains(name)) problems.push_back(where + ": lacks " + name.dump());
+        }
+        if (schema.contains("items") && value.is_array()) {
+            for (size_t i = 0; i < value.size(); ++i) {
+                check(schema["items"], value[i], where + "/" + std::to_string(i), problems);
+            }
+        }
+        if (!value.is_object()) return;
+        const Json none = Json::object();
+        const Json& properties = schema.contains("properties") ? schema["properties"] : none;
+        for (const auto& [key, part] : value.items()) {
+            if (properties.contains(key)) {
+                check(properties[key], part, where + "/" + key, problems);
+            } else if (schema.contains("additionalProperties") &&
+                       schema["additionalProperties"] == false) {
+                problems.push_back(where + ": has an undescribed " + key);
+            }
+        }
+    }
+
+    const Json document_;
+    Router router_;
+    std::vector<const Json*> operations_;
+};
+
+/// Fails the test that got this answer where the description says otherwise.
+inline void expect_described(const std::string& method, const std::string& target, int status,
+                             const std::string& type, const std::string& body) {
+    static const OpenApiCheck api;
+    for (const std::string& problem : api.problems(method, target, status, type, body)) {
+        ADD_FAILURE() << problem;
+    }
+}
+
+}  // namespace probebake::test

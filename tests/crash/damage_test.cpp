@@ -24,7 +24,7 @@ void flip(const fs::path& path, uint64_t random) {
 TEST(Damage, C6_NoFlippedBitIsServedAndEveryFileIsMended) {
     RunningService service;
     Json request = test::costly_request(200, 8);
-    request["quality"]["settings"]["leaf_grid"] = 2;
+    request["quality"]["settings"]["leaf_grid"] = 4;
     const std::string id = service.bake(request);
     std::map<std::string, std::string> digests;  // by path
     for (int i = 0; i < 200; ++i) {

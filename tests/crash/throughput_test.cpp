@@ -65,7 +65,7 @@ TEST(Throughput, OfSubmissionsAndPolls) {
     });
     const test::TempFolder folder;
     const double fsyncs = fsyncs_per_second(folder.path());
-    const std::string id = service.submit(test::costly_request(60'000, 8));
+    const std::string id = service.submit(test::costly_request(5000, 32));
     service.wait(id, [](const Json& bake) { return bake["progress"]["units_done"] >= 1; });
 
     const auto get = [&](const std::string& path) {

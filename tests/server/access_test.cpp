@@ -46,8 +46,8 @@ TEST_F(AccessTest, ATokenIsKnownByItsDigest) {
     EXPECT_FALSE(tokens.find("Bearer " + old, kNow)) << "expired";
     EXPECT_TRUE(tokens.find("Bearer " + fresh, kNow)->may(Scope::kMetrics));
     for (const std::string& wrong :
-         {std::string(), token, "Bearer", "Bearer ", "bearer " + token, "Bearer " + token + "x",
-          "Bearer " + token.substr(1), "Basic " + token}) {
+         {std::string(), token, std::string("Bearer"), std::string("Bearer "), "bearer " + token,
+          "Bearer " + token + "x", "Bearer " + token.substr(1), "Basic " + token}) {
         EXPECT_FALSE(tokens.find(wrong, kNow)) << wrong;
     }
 }

@@ -117,6 +117,7 @@ TEST(Attack, NothingIsTakenForASecondRequest) {
     const std::string id = service.submit(test::costly_request(5000, 8));
     // The request that an attacker would like to slip through, as the body of another.
     const std::string hidden = request("POST /v1/bakes/" + id + ":cancel");
+    service.wait(id, [](const Json& bake) { return bake["state"] == "RUNNING"; });
     const std::string length = "Content-Length: " + std::to_string(hidden.size()) + "\r\n";
     const std::vector<std::pair<std::string, int>> smuggled = {
         {request("GET /healthz", length, hidden), 400},

@@ -3,6 +3,10 @@
 #include <array>
 #include <cstdio>
 #include <ctime>
+#include <variant>
+
+#include "io/file.h"
+#include "io/sha256.h"
 
 namespace probebake {
 
@@ -18,6 +22,22 @@ std::string rfc3339(UnixMs time) {
     std::snprintf(fraction.data(), fraction.size(), ".%03dZ",
                   static_cast<int>((milliseconds - whole).count()));
     return std::string(date.data()) + fraction.data();
+}
+
+std::string pinned_sha256(const SceneFile& scene, const JobSpec& spec) {
+    std::string digests = content_sha256(scene);
+    for (const LightingState& state : spec.states) {
+        const auto* const picture =
+            state.sky ? std::get_if<SkyFileSpec>(&state.sky->what) : nullptr;
+        if (picture == nullptr) continue;
+        constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
+        try {
+            digests += sha256_hex(read_file(scene.folder / picture->file, kMaxBytes));
+        } catch (const IoError&) {  // the plan refuses it, with a pointer to it
+            digests += "unreadable";
+        }
+    }
+    return sha256_hex(std::as_bytes(std::span(digests)));
 }
 
 Json write_failure(const JobFailure& failure) {

@@ -32,6 +32,10 @@ struct JobRequest {
     std::string sha256 = {};
 };
 
+/// Digest of everything that a job takes from files: the scene's and the pictures of its skies.
+/// Throws IoError where the scene's cannot be read; a picture that cannot is another one.
+std::string pinned_sha256(const SceneFile& scene, const JobSpec& spec);
+
 /// Why a job failed, in words fit for its client.
 struct JobFailure {
     std::string

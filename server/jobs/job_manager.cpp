@@ -67,7 +67,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
     NewJob stored{.id = new_job_id(),
                   .tenant = request.tenant,
                   .scene = request.scene.name,
-                  .scene_sha256 = content_sha256(request.scene),
+                  .scene_sha256 = pinned_sha256(request.scene, request.spec),
                   .request = dump_json(write_job(request.spec)),
                   .request_sha256 = request.sha256,
                   .idempotency_key = request.idempotency_key,

@@ -213,8 +213,9 @@ JobRequest JobManager::request_of(const Job& job) {
         throw SceneChanged(std::string("the scene cannot be read any more: ") + error.what());
     }
     if (!scene) throw SceneChanged("the scene is gone");
-    if (content_sha256(*scene) != job.scene_sha256) {
-        throw SceneChanged("the scene was changed after the job had been accepted");
+    if (pinned_sha256(*scene, request.spec) != job.scene_sha256) {
+        throw SceneChanged(
+            "the scene or a picture of a sky was changed after the job had been accepted");
     }
     request.scene = std::move(*scene);
     return request;

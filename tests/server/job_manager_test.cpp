@@ -485,6 +485,22 @@ TEST_F(JobManagerTest, AJobWhoseSceneWasChangedFails) {
     EXPECT_EQ(manager_->find(id)->failure->code, "scene_changed");
 }
 
+TEST_F(JobManagerTest, APictureOfASkyIsPinnedToo) {
+    gated_ = true;
+    start({.max_running = 1});
+    submit(test::net_request(1));
+    wait_for_waiting(1);
+    const std::filesystem::path picture = file_.folder / "sky.hdr";
+    test::write_text(picture, "one");
+    Json request = test::net_request(1);
+    request["lighting_states"] = {
+        {{"id", "day"}, {"sky", {{"type", "equirect"}, {"file", "sky.hdr"}}}}};
+    const std::string id = submit(request);
+    test::write_text(picture, "two");
+    gate_.open();
+    EXPECT_EQ(wait_until_ended(id).failure->code, "scene_changed");
+}
+
 TEST_F(JobManagerTest, AKeyStandsForOneJob) {
     start();
     JobRequest request{.spec = read_job(test::net_request(1)), .scene = file_};

@@ -72,19 +72,22 @@ TEST(ServiceDeterminism, TheSameBytesOnAnyNumberOfThreads) {
         // Beside another job, too, and once the service has started anew.
         const std::string other = service.submit(test::costly_request(500, 8));
         EXPECT_EQ(over_http(service), expected) << threads << " threads, not alone";
+        service.post("/v1/bakes/" + other + ":cancel");
         service.restart();
         EXPECT_EQ(over_http(service), expected) << threads << " threads, after a restart";
     }
 }
 
-TEST(ServiceDeterminism, ARestartForgetsJobsAndTheirFiles) {
+TEST(ServiceDeterminism, ARestartKeepsJobsAndTheirFiles) {
     RunningService service;
     const std::string id = service.bake(test::net_request(1));
-    const std::filesystem::path files = service.options().data / "jobs" / id;
-    EXPECT_TRUE(std::filesystem::exists(files));
+    const std::string file = "/v1/bakes/" + id + "/probes/p0/albedo/cube.exr";
+    const std::string before = service.get(file).body;
+    EXPECT_FALSE(before.empty());
     service.restart();
-    EXPECT_EQ(service.get("/v1/bakes/" + id).status, 404);
-    EXPECT_FALSE(std::filesystem::exists(files));
+    EXPECT_EQ(service.state(id), "SUCCEEDED");
+    EXPECT_EQ(service.get(file).body, before);
+    EXPECT_EQ(service.get("/v1/bakes/" + id + "/report").status, 200);
 }
 
 }  // namespace

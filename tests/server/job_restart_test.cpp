@@ -1,0 +1,221 @@
+// What jobs keep when the service ends and starts again, and what is shared between tenants.
+#include <algorithm>
+
+#include "job_fixture.h"
+
+namespace probebake {
+namespace {
+
+using namespace std::chrono_literals;
+using JobRestartTest = test::JobFixture;
+
+/// A report without what no two runs have in common.
+Json without_times(Json json) {
+    if (json.is_object()) {
+        for (const char* key : {"seconds", "wall_seconds", "seconds_to_first_probe",
+                                "peak_memory_bytes", "import_seconds", "total_seconds"}) {
+            json.erase(key);
+        }
+    }
+    for (auto& value : json) {
+        if (value.is_structured()) value = without_times(value);
+    }
+    return json;
+}
+
+TEST_F(JobRestartTest, AStoppedJobGoesOnAtTheNextStartWhereItWas) {
+    Json request = test::net_request(12, 16);
+    request["lighting_states"] = {"albedo", "emission"};
+    request["products"] = {"cube", "sh"};
+    start();
+    const std::string whole = submit(request);
+    wait_until_ended(whole);
+    const std::string id = submit(request);
+    wait_until(id, [](const JobSnapshot& job) { return job.progress.units_done >= 5; });
+    restart();
+    const std::vector<StoredUnit> before = units(id);
+    EXPECT_LT(before.size(), 24U);
+    const JobSnapshot job = wait_until_ended(id);
+    EXPECT_EQ(job.state, JobState::kSucceeded);
+    EXPECT_EQ(job.progress.units_done, 24U);
+    const std::vector<StoredUnit> after = units(id);
+    ASSERT_EQ(after.size(), 24U);
+    for (size_t i = 0; i < before.size(); ++i) {
+        EXPECT_EQ(after[i].name.unit, before[i].name.unit) << "a finished unit was baked again";
+    }
+    std::map<int64_t, std::string> digests;
+    for (const StoredUnit& unit : units(whole)) {
+        for (const StoredFile& f : unit.files) digests[unit.name.unit] += f.name + f.sha256;
+    }
+    for (const StoredUnit& unit : after) {
+        std::string digest;
+        for (const StoredFile& f : unit.files) digest += f.name + f.sha256;
+        EXPECT_EQ(digest, digests[unit.name.unit]);
+    }
+    const auto text = [&](const std::string& of) {
+        const auto content = report(of)->content;
+        std::string json(content->size_bytes(), '\0');
+        content->read_at(0, json);
+        return dump_json(without_times(parse_json(json)));
+    };
+    EXPECT_EQ(text(id), text(whole)) << "the report of a job that was interrupted is another";
+}
+
+TEST_F(JobRestartTest, JobsWaitThroughARestartInTheirOrder) {
+    gated_ = true;
+    start({.max_running = 1});
+    std::vector<std::string> ids;
+    for (int i = 0; i < 4; ++i) ids.push_back(submit(test::net_request(1)));
+    wait_for_waiting(1);
+    manager_->cancel(ids[2]);
+    restart({.max_running = 1});
+    EXPECT_EQ(manager_->find(ids[2])->state, JobState::kCancelled);
+    gate_.open();
+    std::vector<UnixMs> started;
+    for (const size_t i : {0U, 1U, 3U}) {
+        const JobSnapshot job = wait_until_ended(ids[i]);
+        EXPECT_EQ(job.state, JobState::kSucceeded);
+        started.push_back(*job.ended);
+    }
+    EXPECT_TRUE(std::is_sorted(started.begin(), started.end()));
+    restart();
+    for (const size_t i : {0U, 1U, 3U}) {
+        EXPECT_EQ(manager_->find(ids[i])->state, JobState::kSucceeded);
+        EXPECT_TRUE(file(ids[i], "p0")->content);
+    }
+}
+
+TEST_F(JobRestartTest, AJobWhoseSceneWasChangedFails) {
+    gated_ = true;
+    start({.max_running = 1});
+    submit(test::net_request(1));
+    wait_for_waiting(1);
+    const std::string id = submit(test::net_request(1));
+    found_->text += " ";
+    gate_.open();
+    const JobSnapshot job = wait_until_ended(id);
+    EXPECT_EQ(job.state, JobState::kFailed);
+    EXPECT_EQ(job.failure->code, "scene_changed");
+    restart();
+    EXPECT_EQ(manager_->find(id)->failure->code, "scene_changed");
+}
+
+TEST_F(JobRestartTest, APictureOfASkyIsPinnedToo) {
+    gated_ = true;
+    start({.max_running = 1});
+    submit(test::net_request(1));
+    wait_for_waiting(1);
+    const std::filesystem::path picture = file_.folder / "sky.hdr";
+    test::write_text(picture, "one");
+    Json request = test::net_request(1);
+    request["lighting_states"] = {
+        {{"id", "day"}, {"sky", {{"type", "equirect"}, {"file", "sky.hdr"}}}}};
+    const std::string id = submit(request);
+    test::write_text(picture, "two");
+    gate_.open();
+    EXPECT_EQ(wait_until_ended(id).failure->code, "scene_changed");
+}
+
+TEST_F(JobRestartTest, AKeyStandsForOneJob) {
+    start();
+    JobRequest request{.spec = read_job(test::net_request(1)), .scene = file_};
+    request.idempotency_key = "k";
+    request.sha256 = "a";
+    const JobManager::Submitted first = manager_->submit(request);
+    EXPECT_FALSE(first.replayed);
+    wait_until_ended(first.job.id);
+    restart();
+    const JobManager::Submitted second = manager_->submit(request);
+    EXPECT_TRUE(second.replayed);
+    EXPECT_EQ(second.job.id, first.job.id);
+    request.sha256 = "b";
+    EXPECT_THROW(manager_->submit(request), KeyReused);
+    EXPECT_EQ(manager_->list({}).size(), 1U);
+}
+
+TEST_F(JobRestartTest, TenantsShareTheThreadsAndHaveAQuota) {
+    gated_ = true;
+    start({.max_running = 2, .max_per_tenant = 4});
+    const auto submit_as = [&](const std::string& tenant) {
+        return manager_
+            ->submit({.spec = read_job(test::net_request(1)), .scene = file_, .tenant = tenant})
+            .job.id;
+    };
+    std::vector<std::string> greedy;
+    for (int i = 0; i < 4; ++i) greedy.push_back(submit_as("a"));
+    wait_for_waiting(2);
+    try {
+        submit_as("a");
+        FAIL() << "a job beyond the quota was taken";
+    } catch (const ServiceBusy& busy) {
+        EXPECT_EQ(busy.code(), "quota");
+    }
+    const std::string modest = submit_as("b");
+    manager_->cancel(greedy[0]);  // a thread is free: whose turn is it?
+    wait_until(modest, [](const JobSnapshot& job) { return job.state == JobState::kRunning; });
+    EXPECT_EQ(manager_->find(greedy[2])->state, JobState::kQueued);
+    EXPECT_EQ(manager_->list({.tenant = "b"}).size(), 1U);
+    gate_.open();
+}
+
+TEST_F(JobRestartTest, ADamagedFileIsBakedAgain) {
+    start();
+    const std::string id = submit(test::net_request(3));
+    wait_until_ended(id);
+    const std::string digest = file(id, "p1")->file.sha256;
+    const std::filesystem::path path = folder_.path() / "data/files" / digest.substr(0, 2) / digest;
+    std::string bytes = test::read_text(path);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+    test::write_text(path, bytes);
+    const auto damaged = file(id, "p1");
+    EXPECT_EQ(damaged->content, nullptr);
+    EXPECT_EQ(manager_->mend(id, damaged->unit), JobManager::Mend::kUnderWay);
+    for (int i = 0; i < 60000 && !file(id, "p1")->content; ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_TRUE(file(id, "p1")->content);
+    EXPECT_EQ(manager_->find(id)->state, JobState::kSucceeded);
+    EXPECT_EQ(history(id).size(), 3U) << "a terminal state does not change";
+}
+
+TEST_F(JobRestartTest, WhatCannotBeMendedIsSaidToBeSo) {
+    start();
+    const std::string id = submit(test::net_request(1));
+    wait_until_ended(id);
+    found_->text += " ";  // no longer the scene of the job
+    manager_->mend(id, 0);
+    for (int i = 0; i < 60000 && manager_->mend(id, 0) == JobManager::Mend::kUnderWay; ++i) {
+        std::this_thread::sleep_for(5ms);
+    }
+    EXPECT_EQ(manager_->mend(id, 0), JobManager::Mend::kImpossible);
+    EXPECT_EQ(manager_->mend(id, tables::kJobFiles), JobManager::Mend::kImpossible);
+}
+
+TEST_F(JobRestartTest, AUnitThatFailsLeavesTheOthersRunning) {
+    start();
+    Json request = test::net_request(3);
+    const std::string id = submit(request);
+    wait_until_ended(id);
+    // The only way to fail a unit from outside: it has brought the process down three times.
+    gated_ = true;
+    const std::string poisoned = submit(request);
+    wait_for_waiting(1);
+    const int64_t sequence = manager_->find(poisoned)->sequence;
+    for (int crash = 0; crash < 3; ++crash) {
+        manager_.reset();
+        store_->start(sequence, 1);
+        store_->begin_unit(sequence, {1, "p1", "albedo"});
+        store_.reset();
+        store_.emplace(folder_.path() / "data", JobStore::Options{});
+    }
+    gated_ = false;
+    start();
+    const JobSnapshot job = wait_until_ended(poisoned);
+    EXPECT_EQ(job.state, JobState::kFailed);
+    EXPECT_EQ(job.failure->code, "units");
+    ASSERT_EQ(job.failure->issues.size(), 1U);
+    EXPECT_EQ(job.failure->issues[0].pointer, "/probes/p1/albedo");
+    EXPECT_EQ(unit_count(poisoned), 2U);
+    EXPECT_EQ(file(poisoned, "p2")->file.sha256, file(id, "p2")->file.sha256);
+}
+
+}  // namespace
+}  // namespace probebake

@@ -136,6 +136,17 @@ double neighbour_contrast(const std::array<Neighbour, 9>& block) {
     return count == 0 ? 0.0 : sum / count;
 }
 
+double neighbour_contrast(std::span<const Neighbour> pixels, const View& view, int x, int y) {
+    std::array<Neighbour, 9> block;
+    for (int i = 0; i < 9; ++i) {
+        const int nx = x + i % 3 - 1;
+        const int ny = y + i / 3 - 1;
+        if (nx < 0 || ny < 0 || nx >= view.width_px || ny >= view.height_px) continue;
+        block[static_cast<size_t>(i)] = pixels[view.index(nx, ny)];
+    }
+    return neighbour_contrast(block);
+}
+
 double predicted_gain(int stage, const PixelEvidence& evidence) {
     if (stage + 1 >= kHybridStages) return 0.0;
     return predicted_error(stage, evidence) / stage_rays(stage + 1);

@@ -22,8 +22,8 @@ struct RenderScene {
     TraceRange range;                 // voxels
     const FaceColors* lit = nullptr;  // radiance per face: takes the place of `color`
     const Sky* sky = nullptr;         // takes the place of `background`
-    /// Octree levels by which the hybrid renderer shows finer nodes than a ray's footprint: 1 where
-    /// shadows are sharp.
+    /// Octree levels by which the hybrid renderer shows finer nodes than a ray's footprint. 0 is
+    /// best in sunlight too (docs/decisions.md).
     int finer_levels = 0;
 };
 

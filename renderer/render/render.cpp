@@ -62,15 +62,7 @@ class ViewRenderer {
         FirstRay first;
     };
 
-    bool renders(int x, int y) const {
-        if (!extent_.face) return true;
-        const CubePixel pixel{*extent_.face, x, y};
-        return owner_of(pixel, view_.width_px) == pixel;
-    }
-    size_t index(int x, int y) const {
-        return static_cast<size_t>(y) * static_cast<size_t>(view_.width_px) +
-               static_cast<size_t>(x);
-    }
+    bool renders(int x, int y) const { return renders_pixel(extent_.face, x, y, view_.width_px); }
     void store(int x, int y, const PixelSums& sums) { out_.store(x, y, sums); }
 
     template <class RenderPixel>
@@ -151,10 +143,10 @@ class ViewRenderer {
         const CostStats first_pass = for_each_row(view_.height_px, cancel_, [&](int y, CostStats&) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                CostStats& stats = first_stats[index(x, y)];
+                CostStats& stats = first_stats[view_.index(x, y)];
                 const PixelSums sums = lod_pixel(scene_, view_, x, y, settings_, stats);
                 store(x, y, sums);
-                first[index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
+                first[view_.index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
             }
         });
         std::vector<double> variation(first.size());
@@ -162,9 +154,9 @@ class ViewRenderer {
         for (int y = 0; y < view_.height_px; ++y) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                variation[index(x, y)] = luminance_variation(first, view_.width_px, view_.height_px,
-                                                             x, y, settings_.misses_in_kernel);
-                rendered.push_back(variation[index(x, y)]);
+                variation[view_.index(x, y)] = luminance_variation(
+                    first, view_.width_px, view_.height_px, x, y, settings_.misses_in_kernel);
+                rendered.push_back(variation[view_.index(x, y)]);
             }
         }
         double normaliser = settings_.normaliser;
@@ -175,8 +167,8 @@ class ViewRenderer {
         out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                const CostStats& cast = first_stats[index(x, y)];
-                const int grid = adaptive_grid(variation[index(x, y)], normaliser);
+                const CostStats& cast = first_stats[view_.index(x, y)];
+                const int grid = adaptive_grid(variation[view_.index(x, y)], normaliser);
                 if (grid == 0) {
                     stats += cast;
                     continue;

@@ -164,8 +164,7 @@ void write_beyond_report(const BeyondParams& params, BeyondOutcome& outcome) {
     std::filesystem::create_directories(params.out / "tables");
     const auto save = [&](TextTable table) {
         table.title += note;
-        write_file_atomically(params.out / "tables" / (table.name + ".csv"), table.csv());
-        return table.markdown();
+        return save_table(table, params.out);
     };
     if (!outcome.results.empty()) {
         outcome.summary = summarise(outcome.results);

@@ -65,6 +65,7 @@ Json write_settings(const RenderSettings& settings) {
         settings.kind == RendererKind::kHybrid) {
         json["leaf_grid"] = settings.leaf_grid;
     }
+    if (settings.shifted_grid) json["shifted_grid"] = true;
     if (settings.kind == RendererKind::kErrorAware && std::isfinite(settings.spread)) {
         json["spread"] = settings.spread;
     }

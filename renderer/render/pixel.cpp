@@ -61,10 +61,18 @@ Beam pixel_beam(const View& view, const PixelRect& rect, double pixels) {
             .cone = std::numbers::sqrt2 * pixels * view.pixel_spacing()};
 }
 
-PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,
-                        CostStats& stats, const LevelOfDetail& lod) {
+Vec2 grid_shift(int x, int y) {
+    constexpr double kPlastic = 1.3247179572447460;
+    constexpr double kFirst = 1.0 / kPlastic;
+    constexpr double kSecond = kFirst / kPlastic;
+    const auto fraction = [](double a) { return a - std::floor(a); };
+    return {fraction(x * kFirst + y * kSecond) - 0.5, fraction(x * kSecond - y * kFirst) - 0.5};
+}
+
+PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y,
+                        const RayGrid& grid, CostStats& stats, const LevelOfDetail& lod) {
     PixelSums sums;
-    const double weight = 1.0 / (grid * grid);
+    const double weight = 1.0 / (grid.side * grid.side);
     for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, Hit hit) {
         sums.add(shade(scene, direction, hit), hit.t, scene.range.t_max, weight);
         stats.keep(hit);

@@ -104,22 +104,37 @@ struct PixelRect {
 /// The beam through the footprints of some pixels, for rays of footprints up to `pixels` wide.
 Beam pixel_beam(const View& view, const PixelRect& rect, double pixels);
 
-/// Calls visit(direction, hit) for grid × grid rays on the regular grid of the pixel's footprint.
+/// side × side rays on the regular grid of a pixel's footprint.
+struct RayGrid {
+    int side = 1;
+    Vec2 shift{0.0};  // in cells, from their middles: [−½, ½)
+
+    RayGrid(int rays_per_side) : side(rays_per_side) {}
+    RayGrid(int rays_per_side, const Vec2& from_middles)
+        : side(rays_per_side), shift(from_middles) {}
+};
+
+/// A shift that differs from pixel to pixel: the shifts of any run of a row or column are spread
+/// evenly, so that an edge in line with the pixels does not err the same way in all of them.
+/// Multiples of the plastic number's powers, modulo 1 (Roberts 2018).
+Vec2 grid_shift(int x, int y);
+
+/// Calls visit(direction, hit) for the rays of a grid.
 template <class Visit>
-void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y, int grid,
-                       const LevelOfDetail& lod, Visit visit) {
-    for (int j = 0; j < grid; ++j) {
-        for (int i = 0; i < grid; ++i) {
-            const PixelRay cast =
-                pixel_ray(view, x - 0.5 + (i + 0.5) / grid, y - 0.5 + (j + 0.5) / grid);
+void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y,
+                       const RayGrid& grid, const LevelOfDetail& lod, Visit visit) {
+    for (int j = 0; j < grid.side; ++j) {
+        for (int i = 0; i < grid.side; ++i) {
+            const PixelRay cast = pixel_ray(view, x - 0.5 + (i + 0.5 + grid.shift.x) / grid.side,
+                                            y - 0.5 + (j + 0.5 + grid.shift.y) / grid.side);
             visit(cast.ray.direction, trace(scene.tree, cast.ray, lod, scene.range));
         }
     }
 }
 
-/// grid × grid rays on the regular grid of the footprint, stopping at `lod` (leaves by default).
-PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,
-                        CostStats& stats, const LevelOfDetail& lod = {});
+/// The rays of a grid, stopping at `lod` (leaves by default).
+PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y,
+                        const RayGrid& grid, CostStats& stats, const LevelOfDetail& lod = {});
 
 /// One ray at the level of detail of the pixel, or at settings.fixed_level.
 PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,

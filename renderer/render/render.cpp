@@ -80,7 +80,8 @@ class ViewRenderer {
         while (extent_.ray_limit && grid > 1 && cost() > *extent_.ray_limit) --grid;
         out_.limited = grid < settings_.leaf_grid;
         each_pixel([&](int x, int y, CostStats& stats) {
-            return uniform_pixel(scene_, view_, x, y, grid, stats);
+            const Vec2 shift = settings_.shifted_grid ? grid_shift(x, y) : Vec2(0.0);
+            return uniform_pixel(scene_, view_, x, y, {grid, shift}, stats);
         });
     }
 

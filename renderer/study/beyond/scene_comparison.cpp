@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "error/node_error.h"
-#include "math/sh.h"
+#include "image/sh_projection.h"
 #include "render/render.h"
 #include "scene/suggest_probes.h"
 #include "study/record_set.h"
@@ -212,36 +211,17 @@ Json ablation_on(const RenderScene& scene, const ViewSet& set, const ThesisSet& 
     return rows;
 }
 
-/// RMS over directions and channels of the difference of irradiance, of order 2, relative to the
-/// root mean square of the truth's.
+/// Root of the summed squares of the difference of irradiance, of order 2, over that of the
+/// truth's.
 double irradiance_error(std::span<const Cubemap> of, std::span<const Cubemap> truth) {
-    constexpr std::array<double, 3> kCosine = {std::numbers::pi, 2.0 * std::numbers::pi / 3.0,
-                                               std::numbers::pi / 4.0};
     double difference = 0.0;
     double whole = 0.0;
     for (size_t p = 0; p < of.size(); ++p) {
-        std::array<Vec3, kShCount> a{};
-        std::array<Vec3, kShCount> b{};
-        const int n = of[p].face_size();
-        for (const CubeFace face : kCubeFaces) {
-            const View view = cube_face_view(face, n, Vec3(0.0));
-            for (int y = 0; y < n; ++y) {
-                for (int x = 0; x < n; ++x) {
-                    const CubePixel pixel{face, x, y};
-                    const Sh9 basis = sh_basis(glm::normalize(view.direction(x, y)));
-                    const double w = pixel_solid_angle(x, y, n);
-                    for (size_t i = 0; i < kShCount; ++i) {
-                        a[i] += w * basis[i] * Vec3(of[p].at(pixel));
-                        b[i] += w * basis[i] * Vec3(truth[p].at(pixel));
-                    }
-                }
-            }
-        }
-        for (size_t i = 0; i < kShCount; ++i) {
-            const double cosine = kCosine[i == 0 ? 0 : i < 4 ? 1 : 2];
-            difference += cosine * cosine * glm::dot(a[i] - b[i], a[i] - b[i]);
-            whole += cosine * cosine * glm::dot(b[i], b[i]);
-        }
+        const ShRgb right = project_sh(truth[p]);
+        ShRgb wrong = project_sh(of[p]);
+        for (size_t i = 0; i < wrong.size(); ++i) wrong[i] -= right[i];
+        difference += std::pow(irradiance_norm(wrong), 2);
+        whole += std::pow(irradiance_norm(right), 2);
     }
     return whole > 0.0 ? std::sqrt(difference / whole) : 0.0;
 }
@@ -264,21 +244,26 @@ std::vector<Cubemap> cubemaps_of(std::span<const Image> faces) {
     return cubes;
 }
 
-/// One leaf ray per pixel, and its steps from the root and from start lists.
+/// One leaf ray per pixel, as jobs for irradiance begin, and in the middles of the pixels.
 Json irradiance_of(const RenderScene& scene, const ViewSet& set, const ThesisSet& thesis,
                    std::span<const Vec3> positions) {
-    std::vector<Cubemap> one_ray;
-    CostStats from_root;
-    for (const Vec3& position : positions) {
-        const CubemapRender render = render_cubemap(
-            scene, position, kFace_px, {.kind = RendererKind::kReference, .leaf_grid = 1}, {});
-        one_ray.push_back(render.color);
-        from_root += render.total();
-    }
     const std::vector<Cubemap> truth = cubemaps_of(set.truth);
-    return {{"error", irradiance_error(one_ray, truth)},
-            {"steps_per_base",
-             static_cast<double>(from_root.steps) / static_cast<double>(thesis.base_steps())}};
+    Json json;
+    for (const bool shifted : {true, false}) {
+        std::vector<Cubemap> one_ray;
+        CostStats stats;
+        for (const Vec3& position : positions) {
+            const CubemapRender render = render_cubemap(
+                scene, position, kFace_px,
+                {.kind = RendererKind::kReference, .leaf_grid = 1, .shifted_grid = shifted}, {});
+            one_ray.push_back(render.color);
+            stats += render.total();
+        }
+        json[shifted ? "error" : "error_of_middles"] = irradiance_error(one_ray, truth);
+        json["steps_per_base"] =
+            static_cast<double>(stats.steps) / static_cast<double>(thesis.base_steps());
+    }
+    return json;
 }
 
 /// Seconds of one thread for the same error on the probes, taken in turns: the thesis's renderer at

@@ -1,4 +1,5 @@
 // Every product at every kind of face size, HALF and FLOAT, on any number of threads.
+#include <ImfChannelList.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -101,7 +102,9 @@ TEST_P(ProductSizes, IsRightAndTheSameOnAnyNumberOfThreads) {
     const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
     const auto [n, bright] = GetParam();
     const ProbeResult result = bake(7);
-    if (n >= 4) EXPECT_EQ(result.is_float, bright);
+    if (n >= 4) {
+        EXPECT_EQ(result.is_float, bright);
+    }
     const float lamp = bright ? kLamp : 0.5f;
     const int mips = specular_mips(n);
     ASSERT_EQ(result.files.size(), 10U + static_cast<size_t>(mips) + 2U);
@@ -140,12 +143,16 @@ TEST_P(ProductSizes, IsRightAndTheSameOnAnyNumberOfThreads) {
                           specular_roughness(mip, mips));
                 EXPECT_FALSE(cube.attributes.numbers.contains("probe:err:rmse"));
             }
-            if (mip == 0 && n >= 4) EXPECT_EQ(read.largest, lamp) << file.name;
+            if (mip == 0 && n >= 4) {
+                EXPECT_EQ(read.largest, lamp) << file.name;
+            }
         } else {
             EXPECT_EQ(read.width, n) << file.name;
         }
         // Pixels of coarser grids are wider than the lamp; irradiance is that over 2π.
-        if (n >= 4) EXPECT_GT(read.largest, 0.15f * lamp) << file.name;
+        if (n >= 4) {
+            EXPECT_GT(read.largest, 0.15f * lamp) << file.name;
+        }
     }
     const ProbeResult alone = bake(1);
     ASSERT_EQ(alone.files.size(), result.files.size());

@@ -33,52 +33,68 @@ TEST(Octahedral, PointsAndDirectionsAreInverses) {
     }
 }
 
-/// A tile whose texels hold 0.5 + 0.5 of their directions.
-Image direction_tile(int inside_px) {
-    Image tile(inside_px + 2, inside_px + 2);
-    for (int y = 0; y < inside_px; ++y) {
-        for (int x = 0; x < inside_px; ++x) {
-            tile.at(x + 1, y + 1) = Rgb(0.5 + 0.5 * octahedral_texel_direction(x, y, inside_px));
-        }
-    }
-    fill_octahedral_border(tile, 0, 0, inside_px);
-    return tile;
-}
-
-/// Bilinear, as a GPU looks a direction up in a tile.
-Vec3 look_up(const Image& tile, const Vec3& d) {
+/// Bilinear at a point of the square, as a GPU looks it up in a tile.
+Vec3 look_up(const Image& tile, const Vec2& point) {
     const int inside_px = tile.width() - 2;
-    const Vec2 at = (octahedral_point(d) + 1.0) * (inside_px / 2.0) + 0.5;  // of texel centres
+    const Vec2 at = (point + 1.0) * (inside_px / 2.0) + 0.5;  // of texel centres
     const int x = static_cast<int>(at.x);
     const int y = static_cast<int>(at.y);
-    const double u = at.x - x;
-    const double v = at.y - y;
     const auto texel = [&](int i, int j) { return Vec3(tile.at(x + i, y + j)); };
-    return glm::mix(glm::mix(texel(0, 0), texel(1, 0), u), glm::mix(texel(0, 1), texel(1, 1), u),
-                    v);
+    return glm::mix(glm::mix(texel(0, 0), texel(1, 0), at.x - x),
+                    glm::mix(texel(0, 1), texel(1, 1), at.x - x), at.y - y);
 }
 
-// Across the square's edges the sphere goes on where the border says. A border that is not flipped,
-// or left black, is off by far more than interpolation is.
+// A point of the square's edge and the one mirrored along that edge are the same direction, and all
+// four corners are: whatever a tile holds, lookups must agree there. With a border that is not
+// flipped, or one texel off, they do not.
 TEST(Octahedral, LookupsDoNotSeeTheEdges) {
-    for (const auto& [inside_px, tolerance] : {std::pair{6, 0.12}, std::pair{14, 0.025}}) {
-        const Image tile = direction_tile(inside_px);
+    for (const int inside_px : {6, 14}) {
+        RandomStream random(5);
+        Image tile(inside_px + 2, inside_px + 2);
+        for (Rgb& texel : tile.pixels()) texel = Rgb(static_cast<float>(random.uniform()));
+        fill_octahedral_border(tile, 0, 0, inside_px);
         Image not_flipped = tile;
         for (int i = 1; i <= inside_px; ++i) not_flipped.at(i, 0) = tile.at(i, 1);
-        RandomStream random(5);
-        double largest = 0.0;
         double largest_wrong = 0.0;
-        for (int i = 0; i < 50'000; ++i) {
-            const Vec3 d =
-                octahedral_direction(2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0);
-            const Vec3 exact = 0.5 + 0.5 * d;
-            largest = std::max(largest, glm::length(look_up(tile, d) - exact));
-            largest_wrong = std::max(largest_wrong, glm::length(look_up(not_flipped, d) - exact));
+        const double last = 1.0 - 1e-9;  // the last texel's neighbour is inside the tile
+        for (int i = 0; i < 1000; ++i) {
+            const double s = last * (2.0 * random.uniform() - 1.0);
+            for (const double end : {-last, last}) {
+                EXPECT_LT(glm::length(octahedral_direction(s, end) - octahedral_direction(-s, end)),
+                          1e-8);
+                EXPECT_LT(glm::length(look_up(tile, {s, end}) - look_up(tile, {-s, end})), 1e-6);
+                EXPECT_LT(glm::length(look_up(tile, {end, s}) - look_up(tile, {end, -s})), 1e-6);
+            }
+            const Vec3 wrong = look_up(not_flipped, {s, -last}) - look_up(not_flipped, {-s, -last});
+            largest_wrong = std::max(largest_wrong, glm::length(wrong));
         }
-        std::printf("%d texels: off by %.3f at most, with a border not flipped %.3f\n", inside_px,
-                    largest, largest_wrong);
+        EXPECT_GT(largest_wrong, 0.2);
+        for (const Vec2& corner : {Vec2(last, last), Vec2(-last, last), Vec2(last, -last)}) {
+            EXPECT_LT(glm::length(look_up(tile, corner) - look_up(tile, {-last, -last})), 1e-6);
+        }
+    }
+}
+
+// Interpolated directions are near the ones looked up, over the whole sphere: what remains are the
+// creases between octants, and texels that are turned or mirrored would be off by 1 and more.
+TEST(Octahedral, LookupsFindTheirDirection) {
+    for (const auto& [inside_px, tolerance] : {std::pair{6, 0.25}, std::pair{14, 0.1}}) {
+        Image tile(inside_px + 2, inside_px + 2);
+        for (int y = 0; y < inside_px; ++y) {
+            for (int x = 0; x < inside_px; ++x) {
+                tile.at(x + 1, y + 1) = Rgb(octahedral_texel_direction(x, y, inside_px));
+            }
+        }
+        fill_octahedral_border(tile, 0, 0, inside_px);
+        RandomStream random(6);
+        double largest = 0.0;
+        for (int i = 0; i < 20'000; ++i) {
+            const Vec2 point(2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0);
+            const Vec3 exact = octahedral_direction(point.x, point.y);
+            largest = std::max(largest, glm::length(look_up(tile, point) - exact));
+        }
+        std::printf("%d texels: off by %.3f at most\n", inside_px, largest);
         EXPECT_LT(largest, tolerance);
-        EXPECT_GT(largest_wrong, 0.25);
     }
 }
 

@@ -132,8 +132,9 @@ Image read_face(const std::string& path) {
 
 // Filament prefilters our latlong the same way (N = V = R, weights n·l, linear roughness α), but
 // spaces its mips otherwise: mip 1 of 3 has α = (1 − 1/√2)², not 1/16; its texels are centred, its
-// faces GL's. With that α and those directions both agree within what its 1024 filtered samples
-// leave: it keeps 0.676 of a linear radiance at α = 1, where 2/3 is exact, so 0.01 of 0.5 + 0.5 d.
+// faces GL's. Without its filtered lookups, which turn what they blur by half a texel of their mip
+// (0.022 root mean square of 0.5 + 0.5 d at α = 1, for which the integral is known), its 1024
+// samples of a cube of 64² agree with ours at that α and in those directions within half a texel.
 TEST(Specular, CmgenFindsTheSame) {
     if (!test::has_tool("cmgen")) GTEST_SKIP() << "cmgen is not installed";
     const test::TemporaryFolder folder;
@@ -142,8 +143,9 @@ TEST(Specular, CmgenFindsTheSame) {
                                      std::pair{"waves", test::wave_cubemap(128)}}) {
         write_file_atomically(path(std::string(name) + ".exr"),
                               encode_layout(latlong_of(cube), ExrLayout::kLatlong, {}).bytes);
-        const auto run = test::run_tool("cmgen -q --size=64 --format=exr --ibl-ld=" + path("out") +
-                                        " " + path(std::string(name) + ".exr"));
+        const auto run = test::run_tool(
+            "cmgen -q --size=64 --format=exr --ibl-no-prefilter --ibl-ld=" + path("out") + " " +
+            path(std::string(name) + ".exr"));
         ASSERT_EQ(run.status, 0) << run.text;
         const SphereFilter filter(cube);
         for (const auto& [mip, perceptual] :
@@ -171,7 +173,7 @@ TEST(Specular, CmgenFindsTheSame) {
             std::printf("%s, alpha %.3f: rms %.4f, largest %.4f\n", name, alpha, std::sqrt(square),
                         largest);
             EXPECT_LT(std::sqrt(square), 0.01) << name << " " << mip;
-            EXPECT_LT(largest, 0.04) << name << " " << mip;
+            EXPECT_LT(largest, 0.05) << name << " " << mip;
         }
     }
 }

@@ -1,7 +1,6 @@
 // The specular chain: its mips, its cubes, and what Filament makes of the same map.
 #include "image/specular.h"
 
-#include <ImfRgbaFile.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -12,6 +11,7 @@
 #include "image/cubemaps.h"
 #include "image/exr.h"
 #include "image/layouts.h"
+#include "image/rgb_file.h"
 #include "image/tools.h"
 #include "io/file.h"
 
@@ -116,20 +116,6 @@ TEST(Specular, AFineChainIsFastAndRight) {
     EXPECT_LT(largest, 0.02);
 }
 
-/// An RGB file of cmgen's.
-Image read_face(const std::string& path) {
-    Imf::RgbaInputFile file(path.c_str());
-    const Imath::Box2i window = file.dataWindow();
-    Image image(window.max.x + 1, window.max.y + 1);
-    std::vector<Imf::Rgba> values(image.pixels().size());
-    file.setFrameBuffer(values.data(), 1, static_cast<size_t>(image.width()));
-    file.readPixels(0, window.max.y);
-    for (size_t i = 0; i < values.size(); ++i) {
-        image.pixels()[i] = Rgb(values[i].r, values[i].g, values[i].b);
-    }
-    return image;
-}
-
 // Filament prefilters our latlong the same way (N = V = R, weights n·l, linear roughness α), but
 // spaces its mips otherwise: mip 1 of 3 has α = (1 − 1/√2)², not 1/16; its texels are centred, its
 // faces GL's. Without its filtered lookups, which turn what they blur by half a texel of their mip
@@ -154,9 +140,9 @@ TEST(Specular, CmgenFindsTheSame) {
             double largest = 0.0;
             double square = 0.0;
             for (const CubeFace face : kCubeFaces) {
-                const Image theirs =
-                    read_face(path("out/" + std::string(name) + "/m" + std::to_string(mip) + "_" +
-                                   kGlFaceNames[static_cast<size_t>(index_of(face))] + ".exr"));
+                const Image theirs = test::read_rgb_file(
+                    path("out/" + std::string(name) + "/m" + std::to_string(mip) + "_" +
+                         kGlFaceNames[static_cast<size_t>(index_of(face))] + ".exr"));
                 const int n = theirs.width();
                 for (int y = 0; y < n; ++y) {
                     for (int x = 0; x < n; ++x) {

@@ -106,7 +106,7 @@ void cast_stage(const HybridCast& cast, HybridPixel& pixel) {
         const Rgb color = shade_at(scene, direction, leaf, hit.level);
         hit.steps = leaf.steps;
         pixel.cost.keep(hit);
-        pixel.sums.add(color, hit.t, scene.range.t_max, 1.0);
+        pixel.sums.add(scene, color, hit.t, 1.0);
         if (stage > 1) continue;
         node_error += hit_error(scene, direction, node, kThesisDecay) / rays;
         children_variance += child_variance(scene, hit, color) / rays;

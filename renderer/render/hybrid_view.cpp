@@ -109,7 +109,7 @@ class HybridView {
         pixel.evidence.node_error[0] = first.node_error;
         pixel.evidence.child_variance[0] = first.child_variance;
         pixel.evidence.passed_contrast[0] = first.passed_contrast;
-        pixel.sums.add(first_colors_[view_.index(x, y)].color, first.t, scene_.range.t_max, 1.0);
+        pixel.sums.add(scene_, first_colors_[view_.index(x, y)].color, first.t, 1.0);
         Hit hit;
         hit.level = first.level;
         hit.steps = first.steps;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "light/face_colors.h"
 #include "light/sky.h"
@@ -19,7 +20,9 @@ struct RenderScene {
     const VoxelTree& tree;
     const ColorLevels& color;  // empty: black wherever something is hit
     Rgb background{0.0f};
-    TraceRange range;                 // voxels
+    TraceRange range;  // voxels
+    /// Hits beyond it count as this far in PixelSums::near_distance, voxels.
+    double near_limit = std::numeric_limits<double>::infinity();
     const FaceColors* lit = nullptr;  // radiance per face: takes the place of `color`
     const Sky* sky = nullptr;         // takes the place of `background`
     /// Octree levels by which the hybrid renderer shows finer nodes than a ray's footprint. 0 is
@@ -32,17 +35,22 @@ struct PixelSums {
     Vec3 color{0.0};
     double distance = 0.0;          // radial, voxels; a miss counts as range.t_max
     double squared_distance = 0.0;  // voxels²
-    int samples = 0;                // kept rays
-    double weight2 = 0.0;           // Σw², Σw²c, Σw²c²: for the standard error of the mean
+    double near_distance = 0.0;     // the same two, every ray cut off at near_limit
+    double squared_near_distance = 0.0;
+    int samples = 0;       // kept rays
+    double weight2 = 0.0;  // Σw², Σw²c, Σw²c²: for the standard error of the mean
     Vec3 color_weight2{0.0};
     Vec3 color2_weight2{0.0};
 
-    /// A kept ray's colour and distance (capped at `t_max`).
-    void add(const Rgb& c, double t, double t_max, double weight) {
-        const double d = std::min(t, t_max);
+    /// A kept ray's colour and distance.
+    void add(const RenderScene& scene, const Rgb& c, double t, double weight) {
+        const double d = std::min(t, scene.range.t_max);
+        const double near = std::min(d, scene.near_limit);
         color += Vec3(c) * weight;
         distance += weight * d;
         squared_distance += weight * d * d;
+        near_distance += weight * near;
+        squared_near_distance += weight * near * near;
         ++samples;
         const double w2 = weight * weight;
         weight2 += w2;

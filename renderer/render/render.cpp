@@ -94,7 +94,7 @@ class ViewRenderer {
                 if (!renders(x, y)) continue;
                 const FirstRay first = first_ray(scene_, view_, x, y, settings_);
                 PixelSums sums;
-                sums.add(first.color, first.hit.t, scene_.range.t_max, 1.0);
+                sums.add(scene_, first.color, first.hit.t, 1.0);
                 store(x, y, sums);
                 if (needs_refinement(first.error, settings_.threshold)) {
                     rows[static_cast<size_t>(y)].push_back({x, y, first});
@@ -214,6 +214,8 @@ void ViewRender::store(int x, int y, const PixelSums& sums) {
         static_cast<size_t>(y) * static_cast<size_t>(color.width()) + static_cast<size_t>(x);
     aux[index] = {static_cast<float>(sums.distance), static_cast<float>(sums.squared_distance),
                   sums.standard_error(), static_cast<float>(sums.samples)};
+    aux[index].near_distance = static_cast<float>(sums.near_distance);
+    aux[index].squared_near_distance = static_cast<float>(sums.squared_near_distance);
 }
 
 ViewRender render_view(const RenderScene& scene, const View& view, const RenderSettings& settings,

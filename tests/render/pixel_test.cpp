@@ -29,13 +29,16 @@ TEST(PixelRay, ConeStopsAtTheNodeNearestInSizeToThePixel) {
 
 TEST(PixelSums, StandardErrorIsThatOfTheMean) {
     const std::vector<double> values = {0.1, 0.7, 0.4, 0.35, 0.9, 0.2};
+    const VoxelTree tree;
+    const RenderScene scene{
+        .tree = tree, .color = tree.colors().albedo, .range = {.t_max = 1.0}, .near_limit = 0.7};
     PixelSums sums;
     double mean = 0.0;
     for (const double v : values) mean += v / 6.0;
     double variance = 0.0;
     for (const double v : values) variance += (v - mean) * (v - mean) / 5.0;
     for (const double v : values) {
-        sums.add(Rgb(static_cast<float>(v), 0.5f, 0.0f), 2.0 * v, 1.0, 1.0 / 6.0);
+        sums.add(scene, Rgb(static_cast<float>(v), 0.5f, 0.0f), 2.0 * v, 1.0 / 6.0);
     }
     EXPECT_NEAR(sums.standard_error().r, std::sqrt(variance / 6.0), 1e-6);
     EXPECT_NEAR(sums.standard_error().g, 0.0, 1e-6);
@@ -43,8 +46,12 @@ TEST(PixelSums, StandardErrorIsThatOfTheMean) {
     EXPECT_EQ(sums.samples, 6);
     // Distances 0.2, 1, 0.8, 0.7, 1, 0.4: capped at 1.
     EXPECT_NEAR(sums.distance, 4.1 / 6.0, 1e-12);
+    // And at 0.7: every ray, not their mean.
+    EXPECT_NEAR(sums.near_distance, 3.4 / 6.0, 1e-12);
+    EXPECT_NEAR(sums.squared_near_distance, (4 * 0.49 + 0.04 + 0.16) / 6.0, 1e-12);
+    EXPECT_NEAR(sums.scaled(2.0).squared_near_distance, 2.16 / 3.0, 1e-12);
     PixelSums single;
-    single.add(Rgb(1.0f), 1.0, 10.0, 1.0);
+    single.add(scene, Rgb(1.0f), 1.0, 1.0);
     EXPECT_EQ(single.standard_error(), Rgb(0.0f));
 }
 

@@ -60,6 +60,9 @@ class Builder {
             ++empty_leaves_;
             return OctreeRef::empty_leaf();
         }
+        constexpr size_t kMost = size_t{1} << 32;  // leaf_begin is 32 bits wide
+        if (items_.size() + items.size() >= kMost)
+            throw std::length_error("octree: too many items");
         items_.insert(items_.end(), items.begin(), items.end());
         leaf_begin_.push_back(static_cast<uint32_t>(items_.size()));
         return OctreeRef::leaf(static_cast<uint32_t>(leaf_begin_.size() - 2));

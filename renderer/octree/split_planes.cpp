@@ -3,14 +3,13 @@
 namespace probebake {
 namespace {
 
-/// Middle of the centres of the items' parts within the box.
-double object_median(std::span<const AxisInterval> items, const AxisInterval& side,
-                     std::vector<double>& centers) {
-    centers.clear();
-    for (const AxisInterval& item : items) centers.push_back(0.5 * (item.low + item.high));
-    const auto middle = centers.begin() + static_cast<std::ptrdiff_t>(centers.size() / 2);
-    std::nth_element(centers.begin(), middle, centers.end());
-    return std::clamp(*middle, side.low, side.high);
+/// Mean of the centres of the items' parts within the box.
+double object_median(std::span<const AxisInterval> items, const AxisInterval& side) {
+    double sum = 0.0;
+    for (const AxisInterval& item : items) {
+        sum += 0.5 * (std::max(item.low, side.low) + std::min(item.high, side.high));
+    }
+    return std::clamp(sum / static_cast<double>(items.size()), side.low, side.high);
 }
 
 }  // namespace
@@ -38,7 +37,6 @@ Vec3 center_planes(const Box& box) { return 0.5 * (box.low + box.high); }
 Vec3 cost_planes(const Box& box, std::span<const uint32_t> items, std::span<const Box> item_boxes) {
     Vec3 planes = center_planes(box);
     std::vector<AxisInterval> intervals(items.size());
-    std::vector<double> centers;
     const Vec3 size = box.high - box.low;
     for (int axis = 0; axis < 3; ++axis) {
         for (size_t i = 0; i < items.size(); ++i) {
@@ -47,10 +45,10 @@ Vec3 cost_planes(const Box& box, std::span<const uint32_t> items, std::span<cons
         }
         const AxisInterval side{box.low[axis], box.high[axis]};
         const double spatial = planes[axis];
-        const double median = object_median(intervals, side, centers);
+        const double median = object_median(intervals, side);
         double lowest = kInfinity;
         for (int k = 0; k < kCostPositions; ++k) {
-            const double share = static_cast<double>(k) / (kCostPositions - 1);
+            const double share = static_cast<double>(k) / kCostPositions;
             const double position = spatial + share * (median - spatial);
             const double cost =
                 split_cost(intervals, side, position, size[(axis + 1) % 3], size[(axis + 2) % 3]);

@@ -108,7 +108,7 @@ void from_root(const Octree& tree, const OctreeRay& ray, double t, double end, c
 }
 
 template <class Visit>
-void from_ancestor(const Octree& tree, const OctreeRay& ray, double t, double end,
+void from_ancestor(const Octree& tree, const OctreeRay& ray, double t, double range_end,
                    const Vec3& root_far, WalkCounts& counts, Visit& visit) {
     struct Above {
         OctreeRef ref;
@@ -131,7 +131,9 @@ void from_ancestor(const Octree& tree, const OctreeRay& ray, double t, double en
         const double exit = path[level].exit;
         if (show(path[level].ref, t, exit, counts, visit)) return;
         t = exit;
-        if (!(t < end)) return;
+        if (!(t < range_end)) return;
+        // Out of the root, too, the way leads through all ancestors: only there it is known that
+        // there is no neighbour.
         while (path[level].exit <= t) {
             if (level == 0) return;
             --level;
@@ -204,7 +206,7 @@ void walk(const Octree& tree, OctreeWalk how, const Ray& ray, const TRange& rang
             octree_walk::from_root(tree, octree_ray, t, end, t_far, counts, visit);
             break;
         case OctreeWalk::kFromAncestor:
-            octree_walk::from_ancestor(tree, octree_ray, t, end, t_far, counts, visit);
+            octree_walk::from_ancestor(tree, octree_ray, t, range.end, t_far, counts, visit);
             break;
         case OctreeWalk::kTopDown:
             octree_walk::top_down(tree, octree_ray, t, end, t_far, counts, visit);

@@ -17,8 +17,8 @@ TEST(ObjectOctree, AgreesWithBruteForceOnEveryRayFamily) {
     for (const test::ObjectWorld& world : test::object_worlds()) {
         const ObjectBoxes boxes = world.boxes();
         const ObjectOctree octrees[] = {
-            {world.set, boxes, {.max_depth = 5}},
-            {world.set, boxes, {.max_depth = 5, .planes = SplitPlanes::kCostEstimate}}};
+            {world.set, boxes, {.max_depth = 4}},
+            {world.set, boxes, {.max_depth = 4, .planes = SplitPlanes::kCostEstimate}}};
         int hits = 0;
         uint64_t family_index = 0;
         for (const test::RayFamily& family : test::ray_families()) {
@@ -33,16 +33,18 @@ TEST(ObjectOctree, AgreesWithBruteForceOnEveryRayFamily) {
                 hits += expected ? 1 : 0;
                 for (const ObjectOctree& octree : octrees) {
                     for (const OctreeWalk how : kWalks) {
-                        const std::string what = world.name + ", " + family.name + ", ray " +
-                                                 std::to_string(i) + ", walk " +
-                                                 std::to_string(static_cast<int>(how));
+                        const auto what = [&] {
+                            return world.name + ", " + family.name + ", ray " + std::to_string(i) +
+                                   ", walk " + std::to_string(static_cast<int>(how));
+                        };
                         CastCounts counts;
                         const ObjectHit got = octree.closest_hit(ray, range, how, counts);
-                        ASSERT_EQ(got.object, expected.object) << what;
-                        ASSERT_EQ(got.t, expected.t) << what;
+                        ASSERT_EQ(got.object, expected.object) << what();
+                        ASSERT_EQ(got.t, expected.t) << what();
+                        if (how != kWalks[static_cast<size_t>(i) % std::size(kWalks)]) continue;
                         const ObjectHit any = octree.any_hit(ray, range, how, counts);
-                        ASSERT_EQ(static_cast<bool>(any), static_cast<bool>(expected)) << what;
-                        ASSERT_GE(any.t, expected.t) << what;
+                        ASSERT_EQ(static_cast<bool>(any), static_cast<bool>(expected)) << what();
+                        ASSERT_GE(any.t, expected.t) << what();
                     }
                 }
             }
@@ -63,9 +65,11 @@ TEST(ObjectOctree, TheBoxThatRaysAreBroughtToDoesNotMatter) {
                 test::towards(random, test::random_point(random, kWorldSide), 2 * kWorldSide);
             const ObjectHit got = octree.closest_hit(ray);
             const ObjectHit expected = closest_hit_of_all(world.set, wide, ray);
-            ASSERT_EQ(got.object, expected.object) << world.name << ", ray " << i;
+            // Objects that coincide may change places.
+            ASSERT_EQ(static_cast<bool>(got), static_cast<bool>(expected))
+                << world.name << ", ray " << i;
             if (!expected) continue;
-            ASSERT_NEAR(got.t, expected.t, 1e-6) << world.name << ", ray " << i;
+            ASSERT_NEAR(got.t, expected.t, 1e-9) << world.name << ", ray " << i;
             ++compared;
         }
         EXPECT_GT(compared, 200) << world.name;
@@ -97,7 +101,7 @@ TEST(ObjectOctree, CountsEveryTestOfEveryLeaf) {
 TEST(ObjectOctree, OfEqualHitsTheLowestNumberCounts) {
     ObjectSet set;
     for (int i = 0; i < 3; ++i) set.add(Sphere{Vec3(0.0), 1.0});
-    const ObjectOctree octree(set, safe_boxes(set), {.max_depth = 6});
+    const ObjectOctree octree(set, safe_boxes(set), {.max_depth = 3});
     const ObjectHit hit = octree.closest_hit({Vec3(0.1, 0.2, -5.0), Vec3(0.0, 0.0, 1.0)});
     EXPECT_EQ(hit.object, 0u);
 }

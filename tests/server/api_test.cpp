@@ -286,7 +286,7 @@ TEST(Api, CheckShowsThePlanAndKeepsNothing) {
     EXPECT_EQ(checked.json().at("effective_request").at("seed"), 5);
     EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 0U);
     Json bad = test::net_request(1);
-    bad["face_size_px"] = 3;
+    bad["face_size_px"] = 0;
     EXPECT_EQ(service.post("/v1/bakes:check", bad).status, 422);
 }
 

@@ -14,6 +14,22 @@ Box cone_box(const Cone& cone) {
     return join(disc(cone.base, cone.base_radius), disc(cone.apex, cone.apex_radius));
 }
 
+/// Where the object can be hit: a polygon whose vertices are not in one plane is hit in the plane
+/// through their middle, above or below them.
+Box hit_box(const ObjectSet& set, uint32_t object) {
+    Box box = object_box(set, object);
+    const ObjectRef ref = set.objects()[object];
+    if (ref.kind != ShapeKind::kPolygon) return box;
+    const Polygon& polygon = set.polygons()[ref.index];
+    if (polygon.normal == Vec3(0.0)) return box;
+    const int axis = polygon.drop_axis;
+    for (Vec3 v : set.vertices(polygon)) {
+        v[axis] += (polygon.offset - glm::dot(polygon.normal, v)) / polygon.normal[axis];
+        box = join(box, v);
+    }
+    return box;
+}
+
 ObjectBoxes boxes_with(const ObjectSet& set, Box (*box_of)(const ObjectSet&, uint32_t)) {
     ObjectBoxes result{.root = empty_box(), .boxes = {}};
     result.boxes.reserve(set.size());
@@ -72,7 +88,7 @@ Box object_box_1999(const ObjectSet& set, uint32_t object) {
 }
 
 ObjectBoxes safe_boxes(const ObjectSet& set) {
-    ObjectBoxes result = boxes_with(set, object_box);
+    ObjectBoxes result = boxes_with(set, hit_box);
     // Hits are off by some 1e-15 of a coordinate; a margin costs a reference where it reaches over
     // a plane, and nothing else.
     constexpr double kBoxMargin = 1e-9;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <stdexcept>
 
+#include "objects/object_octree.h"
 #include "objects/object_worlds.h"
 
 namespace probebake {
@@ -86,6 +88,28 @@ TEST(SafeBoxes, AreWiderThanTheirObjects) {
             }
         }
     }
+}
+
+TEST(SafeBoxes, HoldWhereAWarpedPolygonIsHit) {
+    ObjectSet set;
+    const std::array<Vec3, 8> vertices = {Vec3(0, 0, 1), Vec3(3, 0, 1), Vec3(3, 3, 3),
+                                          Vec3(2, 3, 1), Vec3(2, 1, 1), Vec3(1, 1, 1),
+                                          Vec3(1, 3, 1), Vec3(0, 3, 1)};
+    set.add_polygon(vertices);
+    const Box box = safe_boxes(set).boxes[0];
+    const Box of_vertices = object_box(set, 0);
+    int below_all_vertices = 0;
+    for (int i = 0; i < 400; ++i) {
+        const Vec3 origin(3.0 * (i % 20) / 19.0, 3.0 * (i / 20) / 19.0, 10.0);
+        const ObjectHit hit =
+            closest_hit_of_all(set, {Vec3(-20.0), Vec3(20.0)}, {origin, Vec3(0.0, 0.0, -1.0)});
+        if (!hit) continue;
+        const double z = origin.z - hit.t;
+        EXPECT_GE(z, box.low.z);
+        EXPECT_LE(z, box.high.z);
+        below_all_vertices += z < of_vertices.low.z - 0.01 ? 1 : 0;
+    }
+    EXPECT_GT(below_all_vertices, 0) << "or the test shows nothing";
 }
 
 TEST(ObjectSet, RefusesWhatIsNoShape) {

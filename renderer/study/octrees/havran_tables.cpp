@@ -130,7 +130,10 @@ std::string contradiction(const HavranTables& tables, const HavranBest& best) {
     const std::string label = "depth " + std::to_string(best.depth);
     for (int depth = 4; depth <= 7; ++depth) {
         if (depth != best.depth && matches(tables, best, best.method, depth) == kAll) {
-            return column + ": headed " + label + ", values of depth " + std::to_string(depth);
+            return (column + ": headed ")
+                .append(label)
+                .append(", values of depth ")
+                .append(std::to_string(depth));
         }
     }
     for (const char* method : kOctreeMethods) {

@@ -156,7 +156,9 @@ TextTable rays_table(const Json& results, bool full) {
                     .title = "Rays, and how many of them hit" +
                              std::string(full ? "; in brackets Havran and Sixta 1999" : ""),
                     .columns = {"scene", "eye", "hit", "secondary", "hit", "shadow", "hit"}};
-    for (const auto& [scene, result] : results.items()) {
+    for (const auto& item : results.items()) {
+        const std::string& scene = item.key();
+        const Json& result = item.value();
         const auto found = std::find_if(havran_rays().begin(), havran_rays().end(),
                                         [&](const HavranRays& r) { return scene == r.scene; });
         std::vector<std::string> row = {label_of(scene)};

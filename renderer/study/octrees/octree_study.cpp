@@ -75,7 +75,8 @@ OctreeStudyOutcome run_octree_study(const OctreeStudyParams& params,
         } else {
             const NffScene scene = generated ? fluid_stand_in() : read_nff(file);
             result = measure_scene(scene, params.measure, [&](const std::string& what) {
-                on_progress({name + ", " + what, outcome.computed + outcome.found, total});
+                on_progress({std::string(name).append(", ").append(what),
+                             outcome.computed + outcome.found, total});
             });
             store.put(name, key, *result);
             ++outcome.computed;

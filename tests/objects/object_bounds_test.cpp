@@ -100,7 +100,8 @@ TEST(SafeBoxes, HoldWhereAWarpedPolygonIsHit) {
     const Box of_vertices = object_box(set, 0);
     int below_all_vertices = 0;
     for (int i = 0; i < 400; ++i) {
-        const Vec3 origin(3.0 * (i % 20) / 19.0, 3.0 * (i / 20) / 19.0, 10.0);
+        const int row = i / 20;
+        const Vec3 origin(3.0 * (i % 20) / 19.0, 3.0 * row / 19.0, 10.0);
         const ObjectHit hit =
             closest_hit_of_all(set, {Vec3(-20.0), Vec3(20.0)}, {origin, Vec3(0.0, 0.0, -1.0)});
         if (!hit) continue;

@@ -11,17 +11,10 @@
 #include <vector>
 
 #include "bake/audit.h"
+#include "bake/ddgi.h"
 #include "bake/pilot.h"
 
 namespace probebake {
-
-/// A file of a probe, ready to be stored.
-struct ProductFile {
-    std::string name;  // "cube.exr", "sh.json"
-    std::vector<std::byte> bytes;
-    uint64_t size_bytes = 0;  // known when the bytes are given away, too
-    std::string sha256;
-};
 
 struct ProbeResult {
     size_t probe = 0;  // index into JobSpec::probes
@@ -39,6 +32,7 @@ struct ProbeResult {
     double far_m = 0.0;  // effective
     double wall_seconds = 0.0;
     std::vector<ProductFile> files;
+    std::optional<DdgiTile> ddgi;  // where that is a product
 
     CostStats render_cost() const;
 };
@@ -53,6 +47,9 @@ struct UnitParams {
 /// Throws Cancelled.
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel);
+
+/// What the headers of all files of a job's state say: owner, state, scene, sky, seed, unit.
+ProbeAttributes state_attributes(const Scene& scene, const JobSpec& job, const ReadyState& state);
 
 /// Rays that a unit may cast, from the target and the budget; none: as many as its settings ask
 /// for.

@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 1;
+constexpr uint64_t kVersion = 2;
 
 class Damaged {};
 
@@ -16,7 +16,7 @@ class Damaged {};
 class Writer {
   public:
     template <class... T>
-    void operator()(T&... values) {
+    void operator()(const T&... values) {
         (put(values), ...);
     }
     std::string take() { return std::move(bytes_); }
@@ -46,7 +46,15 @@ class Writer {
     void put(const std::array<T, n>& values) {
         for (const T& value : values) put(value);
     }
+    void put(const float& value) {
+        const auto bits = std::bit_cast<uint32_t>(value);
+        for (int i = 0; i < 32; i += 8) bytes_ += static_cast<char>(bits >> i & 0xff);
+    }
     void put(const Vec3& v) { (*this)(v.x, v.y, v.z); }
+    void put(const Image& image) {
+        (*this)(image.width(), image.height());
+        for (const Rgb& c : image.pixels()) (*this)(c.r, c.g, c.b);
+    }
     template <class T>
     void put(const std::vector<T>& values) {
         number(values.size());
@@ -110,7 +118,20 @@ class Reader {
     void get(std::array<T, n>& values) {
         for (T& value : values) get(value);
     }
+    void get(float& value) {
+        uint32_t bits = 0;
+        for (int i = 0; i < 32; i += 8) bits |= uint32_t{byte()} << i;
+        value = std::bit_cast<float>(bits);
+    }
     void get(Vec3& v) { (*this)(v.x, v.y, v.z); }
+    void get(Image& image) {
+        const uint64_t width = number();
+        const uint64_t height = number();
+        if (width > bytes_.size() || height > bytes_.size()) throw Damaged();
+        if (width * height > bytes_.size() / sizeof(Rgb)) throw Damaged();
+        image = Image(static_cast<int>(width), static_cast<int>(height));
+        for (Rgb& c : image.pixels()) (*this)(c.r, c.g, c.b);
+    }
     template <class T>
     void get(std::vector<T>& values) {
         const uint64_t size = number();
@@ -125,63 +146,80 @@ class Reader {
     std::string_view bytes_;
 };
 
-// One list of fields for both ways. `T` is const where it is written.
+// One list of fields for both ways, taken apart so that a new one cannot be forgotten. `T` is const
+// where it is written.
 
 template <class T, class Of>
 concept Either = std::is_same_v<std::remove_const_t<T>, Of>;
 
 template <class Archive, Either<CostStats> T>
 void fields(Archive& archive, T& cost) {
-    archive(cost.rays, cost.discarded_rays, cost.missed_rays, cost.steps, cost.box_tests,
-            cost.level_histogram, cost.seconds);
+    auto& [rays, discarded_rays, missed_rays, steps, box_tests, level_histogram, seconds] = cost;
+    archive(rays, discarded_rays, missed_rays, steps, box_tests, level_histogram, seconds);
 }
 
 template <class Archive, Either<HybridSwitches> T>
 void fields(Archive& archive, T& hybrid) {
-    archive(hybrid.start_lists, hybrid.nested_rays);
+    auto& [start_lists, nested_rays] = hybrid;
+    archive(start_lists, nested_rays);
 }
 
 template <class Archive, Either<RenderSettings> T>
 void fields(Archive& archive, T& s) {
-    archive(s.kind, s.threshold, s.decay, s.leaf_grid, s.spread, s.price, s.hybrid, s.fixed_level,
-            s.normaliser, s.misses_in_kernel);
+    auto& [kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, fixed_level,
+           normaliser, misses_in_kernel] = s;
+    archive(kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, fixed_level,
+            normaliser, misses_in_kernel);
 }
 
 template <class Archive, Either<Estimate> T>
 void fields(Archive& archive, T& e) {
-    archive(e.value, e.variance, e.third_moment, e.samples, e.degrees_of_freedom);
+    auto& [value, variance, third_moment, samples, degrees_of_freedom] = e;
+    archive(value, variance, third_moment, samples, degrees_of_freedom);
 }
 
 template <class Archive, Either<NormEstimate> T>
 void fields(Archive& archive, T& e) {
-    archive(e.squared, e.variance, e.variance2, e.largest, e.samples, e.degrees_of_freedom);
+    auto& [squared, variance, variance2, largest, samples, degrees_of_freedom] = e;
+    archive(squared, variance, variance2, largest, samples, degrees_of_freedom);
 }
 
 template <class Archive, Either<ShAudit> T>
 void fields(Archive& archive, T& audit) {
-    archive(audit.draws, audit.difference, audit.standard_error, audit.irradiance, audit.channels);
+    auto& [draws, difference, standard_error, irradiance, channels] = audit;
+    archive(draws, difference, standard_error, irradiance, channels);
 }
 
 template <class Archive, Either<MeasuredError> T>
 void fields(Archive& archive, T& error) {
-    archive(error.mse, error.ssim, error.irradiance);
+    auto& [mse, ssim, irradiance] = error;
+    archive(mse, ssim, irradiance);
 }
 
 template <class Archive, Either<Audit> T>
 void fields(Archive& archive, T& audit) {
-    archive(audit.error, audit.pixels, audit.windows, audit.sh, audit.cost);
+    auto& [error, pixels, windows, sh, cost] = audit;
+    archive(error, pixels, windows, sh, cost);
 }
 
 template <class Archive, Either<ProductFile> T>
 void fields(Archive& archive, T& file) {
-    archive(file.name, file.size_bytes, file.sha256);
+    auto& [name, bytes, size_bytes, sha256] = file;
+    archive(name, size_bytes, sha256);
+}
+
+template <class Archive, Either<DdgiTile> T>
+void fields(Archive& archive, T& tile) {
+    auto& [irradiance, distance] = tile;
+    archive(irradiance, distance);
 }
 
 template <class Archive, Either<ProbeResult> T>
 void fields(Archive& archive, T& result) {
-    archive(result.settings, result.faces, result.pixels, result.limited, result.looks,
-            result.earlier_renders, result.certificate, result.decision_cost, result.is_float,
-            result.inside_voxel, result.far_m, result.wall_seconds, result.files);
+    auto& [probe, state, settings, faces, pixels, limited, looks, earlier_renders, certificate,
+           decision_cost, is_float, inside_voxel, far_m, wall_seconds, files, ddgi] = result;
+    archive(settings, faces, pixels, limited, looks, earlier_renders, certificate, decision_cost,
+            is_float, inside_voxel, far_m, wall_seconds, files, ddgi);
 }
 
 }  // namespace

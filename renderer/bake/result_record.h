@@ -1,5 +1,5 @@
 // A ProbeResult as bytes, so that a bake that was interrupted goes on where it was: the report
-// needs what every probe found, not only its files.
+// needs what every probe found, and a grid's atlases its tile, not only its files.
 //
 // Numbers bit by bit, so that the report of an interrupted bake is that of an uninterrupted one.
 // The record begins with a version; probe and lighting state are those of the work unit it belongs

@@ -16,6 +16,12 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
 }
 
+size_t index_of_state(const JobSpec& job, std::string_view name) {
+    size_t state = 0;
+    while (name_of(job.states[state]) != name) ++state;
+    return state;
+}
+
 class BakeRun {
   public:
     explicit BakeRun(const BakeParams& params)
@@ -32,9 +38,10 @@ class BakeRun {
         tune();
         enter(BakePhase::kRendering);
         render();
+        if (job_.products.ddgi) make_atlases();
         enter(BakePhase::kFinished);
-        if (params_.history.only) return nullptr;
         if (!failed_.empty()) throw_failed();
+        if (params_.history.only) return nullptr;
         return finish();
     }
 
@@ -89,18 +96,34 @@ class BakeRun {
         }
     }
 
+    bool is_wanted(size_t unit) const {
+        const std::optional<std::set<size_t>>& only = params_.history.only;
+        return !only || only->contains(unit);
+    }
+
+    size_t unit_of_grid(size_t grid, size_t state) const {
+        return unit_count(job_) + grid * job_.states.size() + state;
+    }
+
+    /// Whether an atlas that alone is to be made needs this unit of a probe.
+    bool is_wanted_by_grid(size_t unit) const {
+        const ProbeGrid* const grid = grid_of(job_, unit / job_.states.size());
+        if (!job_.products.ddgi || grid == nullptr) return false;
+        const auto g = static_cast<size_t>(grid - job_.grids.data());
+        return is_wanted(unit_of_grid(g, unit % job_.states.size()));
+    }
+
     /// What is left to be baked, in the order in which it is begun.
     std::vector<size_t> units_to_bake() const {
         const BakeHistory& history = params_.history;
         std::vector<size_t> units;
+        std::vector<size_t> last;
         for (size_t i = 0; i < unit_count(job_); ++i) {
-            const bool known = history.finished.contains(i) || history.given_up.contains(i);
-            const bool wanted = history.only ? history.only->contains(i) : !known;
-            if (wanted && !history.last.contains(i)) units.push_back(i);
+            if (history.finished.contains(i) || history.given_up.contains(i)) continue;
+            if (!is_wanted(i) && !is_wanted_by_grid(i)) continue;
+            (history.last.contains(i) ? last : units).push_back(i);
         }
-        for (const size_t i : history.last) {
-            if (!history.finished.contains(i) && !history.only) units.push_back(i);
-        }
+        units.insert(units.end(), last.begin(), last.end());
         return units;
     }
 
@@ -137,6 +160,45 @@ class BakeRun {
         failed_[i] = why;
     }
 
+    void make_atlases() {
+        for (size_t g = 0; g < job_.grids.size(); ++g) {
+            for (size_t s = 0; s < states_.size(); ++s) {
+                const size_t unit = unit_of_grid(g, s);
+                if (!is_wanted(unit) || failed_.contains(unit)) continue;
+                if (!is_complete(job_.grids[g], s)) continue;
+                params_.cancel.throw_if_cancelled();
+                if (params_.begin) params_.begin(unit);
+                GridResult result = atlas_of(job_.grids[g], s);
+                if (params_.grid_sink) params_.grid_sink(result);
+                for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
+                grid_results_.push_back(std::move(result));
+            }
+        }
+    }
+
+    bool is_complete(const ProbeGrid& grid, size_t state) const {
+        for (size_t p = grid.first_probe; p < grid.first_probe + grid.size(); ++p) {
+            if (!results_.contains(p * states_.size() + state)) return false;
+        }
+        return true;
+    }
+
+    GridResult atlas_of(const ProbeGrid& grid, size_t state) {
+        ProbeAttributes about = state_attributes(*scene_, job_, states_[state]);
+        about.near_m = job_.probes[grid.first_probe].near_m;
+        about.far_m = job_.probes[grid.first_probe].far_m.value_or(about.far_m);
+        std::vector<const DdgiTile*> tiles;
+        for (size_t p = grid.first_probe; p < grid.first_probe + grid.size(); ++p) {
+            const ProbeResult& result = results_.at(p * states_.size() + state);
+            tiles.push_back(&*result.ddgi);
+            about.valid = about.valid && !result.inside_voxel;
+        }
+        GridResult result;
+        params_.pool.run(
+            [&] { result = encode_ddgi(grid, ddgi_atlas(grid.counts, tiles), std::move(about)); });
+        return result;
+    }
+
     void publish(size_t i, ProbeResult result) {
         const std::lock_guard lock(mutex_);
         if (params_.sink) params_.sink(job_.probes[result.probe], result);
@@ -151,9 +213,9 @@ class BakeRun {
     [[noreturn]] void throw_failed() const {
         std::vector<SpecIssue> issues;
         for (const auto& [i, why] : failed_) {
-            issues.push_back({"/probes/" + job_.probes[i / job_.states.size()].id + "/" +
-                                  std::string(name_of(job_.states[i % job_.states.size()])),
-                              why});
+            const UnitLabel label = label_of(job_, i);
+            issues.push_back(
+                {(label.is_grid ? "/grids/" : "/probes/") + label.id + "/" + label.state, why});
         }
         throw UnitsFailed(std::move(issues));
     }
@@ -167,6 +229,7 @@ class BakeRun {
                                 .plan = plan_,
                                 .pilots = pilots_,
                                 .results = results,
+                                .grid_results = grid_results_,
                                 .wall_seconds = seconds_between(begin_, Clock::now()),
                                 .seconds_to_first_probe = first_unit_seconds_,
                                 .peak_memory_bytes = peak_memory_bytes(),
@@ -176,6 +239,9 @@ class BakeRun {
         for (size_t i = 0; params_.row_sink && i < results.size(); ++i) {
             const size_t state = i % pilots_.size();
             params_.row_sink(write_probe_row(record, pilots_[state], results[i], pooled[state]));
+        }
+        for (size_t i = 0; params_.row_sink && i < grid_results_.size(); ++i) {
+            params_.row_sink(write_grid_row(grid_results_[i]));
         }
         return write_report(record);
     }
@@ -189,6 +255,7 @@ class BakeRun {
     Plan plan_;
     std::vector<ReadyState> states_;
     std::vector<Pilot> pilots_;
+    std::vector<GridResult> grid_results_;
 
     std::mutex mutex_;
     // Guarded by mutex_ while units run:
@@ -210,9 +277,20 @@ std::string_view name_of(BakePhase phase) {
 size_t unit_count(const JobSpec& job) { return job.probes.size() * job.states.size(); }
 
 size_t unit_of(const JobSpec& job, const ProbeResult& result) {
-    size_t state = 0;
-    while (name_of(job.states[state]) != name_of(result.state)) ++state;
-    return result.probe * job.states.size() + state;
+    return result.probe * job.states.size() + index_of_state(job, name_of(result.state));
+}
+
+size_t unit_of(const JobSpec& job, const GridResult& result) {
+    size_t grid = 0;
+    while (job.grids[grid].id != result.grid) ++grid;
+    return unit_count(job) + grid * job.states.size() + index_of_state(job, result.state);
+}
+
+UnitLabel label_of(const JobSpec& job, size_t unit) {
+    const std::string state(name_of(job.states[unit % job.states.size()]));
+    const size_t place = unit / job.states.size();
+    if (place < job.probes.size()) return {false, job.probes[place].id, state};
+    return {true, job.grids[place - job.probes.size()].id, state};
 }
 
 Json run_bake(const BakeParams& params) { return BakeRun(params).run(); }

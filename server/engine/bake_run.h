@@ -33,11 +33,21 @@ struct BakeProgress {
     std::optional<double> seconds_left;  // expected, once units are done
 };
 
-/// Work units are counted probe by probe, states fastest.
-size_t unit_count(const JobSpec& job);
+/// Work units are counted probe by probe, states fastest; after them come the atlases of `ddgi`,
+/// grid by grid.
+size_t unit_count(const JobSpec& job);  // without the atlases
 size_t unit_of(const JobSpec& job, const ProbeResult& result);
+size_t unit_of(const JobSpec& job, const GridResult& result);
 
-/// What an earlier attempt left for this one.
+/// What a unit is called.
+struct UnitLabel {
+    bool is_grid = false;
+    std::string id;  // of the probe or the grid
+    std::string state;
+};
+UnitLabel label_of(const JobSpec& job, size_t unit);
+
+/// What an earlier attempt left for this one. Atlases are always made again, of what is finished.
 struct BakeHistory {
     std::map<size_t, ProbeResult> finished;  // not baked again
     std::set<size_t> last;                   // baked last: they may bring the process down
@@ -51,7 +61,7 @@ class UnitsFailed : public std::runtime_error {
     explicit UnitsFailed(std::vector<SpecIssue> issues)
         : std::runtime_error(std::to_string(issues.size()) + " work units failed"),
           issues_(std::move(issues)) {}
-    /// "/probes/ID/STATE" and what happened, in the order of the units.
+    /// "/probes/ID/STATE" or "/grids/ID/STATE" and what happened, in the order of the units.
     const std::vector<SpecIssue>& issues() const { return issues_; }
 
   private:
@@ -66,11 +76,13 @@ struct BakeParams {
     /// Stores a result's files; called from pool threads, one call at a time, in the order in which
     /// units end. The bytes are released afterwards.
     std::function<void(const ProbeSpec&, const ProbeResult&)> sink;
+    /// The same for what belongs to a whole grid, once all probes are done.
+    std::function<void(const GridResult&)> grid_sink;
     std::function<void(const BakeProgress&)> on_progress;  // same calls, and at every phase
-    /// Takes the row of every probe and state at the end, in the order of the request: verdicts
-    /// need the whole job's evidence.
+    /// Takes the row of every probe and state at the end, in the order of the request, then those
+    /// of grids: verdicts need the whole job's evidence.
     std::function<void(const Json&)> row_sink;
-    /// Called from a pool thread before a unit is baked.
+    /// Called before a unit is baked, from a pool thread but for atlases.
     std::function<void(size_t unit)> begin = {};
     BakeHistory history = {};
 };

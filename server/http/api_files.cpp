@@ -9,8 +9,11 @@ namespace {
 
 constexpr uint64_t kMaxPage = 100;
 constexpr uint64_t kDefaultPage = 50;
+
 Json write_unit(const StoredUnit& unit) {
-    Json json = {{"probe", unit.name.probe}, {"state", unit.name.state}, {"files", Json::array()}};
+    Json json = {{unit.is_grid ? "grid" : "probe", unit.name.probe},
+                 {"state", unit.name.state},
+                 {"files", Json::array()}};
     for (const StoredFile& file : unit.files) {
         json["files"].push_back(
             {{"name", file.name}, {"bytes", file.size_bytes}, {"sha256", file.sha256}});
@@ -87,11 +90,12 @@ void Api::rows(const Call& call) {
         for (const std::string& row : page->rows) body += (body.empty() ? "" : ",\n") + row;
         if (page->next) next = "r" + std::to_string(*page->next);
     } else {
-        const std::vector<StoredUnit> units = parts_.store.published(job.sequence, token.at, count);
+        std::vector<StoredUnit> units = parts_.store.published(job.sequence, token.at, count + 1);
+        const bool more = units.size() > count;
+        if (more) units.pop_back();
         for (const StoredUnit& unit : units) {
             body += (body.empty() ? "" : ",\n") + dump_json(write_unit(unit));
         }
-        const bool more = token.at + units.size() < job.progress.units_done && !units.empty();
         if (more) next = "u" + std::to_string(token.at + units.size());
     }
     // The rows are JSON texts already: a page of them is not parsed to be written again.

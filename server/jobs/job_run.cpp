@@ -57,17 +57,15 @@ class RowFile {
     std::string buffer_;
 };
 
-std::vector<NewFile> files_of(const ProbeResult& result) {
+std::vector<NewFile> new_files(std::span<const ProductFile> products) {
     std::vector<NewFile> files;
-    for (const ProductFile& file : result.files) {
-        files.push_back({file.name, file.bytes, file.sha256});
-    }
+    for (const ProductFile& file : products) files.push_back({file.name, file.bytes, file.sha256});
     return files;
 }
 
 UnitName name_of_unit(const JobSpec& job, size_t unit) {
-    return {static_cast<int64_t>(unit), job.probes[unit / job.states.size()].id,
-            std::string(name_of(job.states[unit % job.states.size()]))};
+    UnitLabel label = label_of(job, unit);
+    return {static_cast<int64_t>(unit), std::move(label.id), std::move(label.state)};
 }
 
 }  // namespace
@@ -226,9 +224,11 @@ BakeHistory JobManager::history_of(const Job& job, const JobSpec& spec) {
     BakeHistory history;
     for (auto& [unit, record] : units.finished) {
         const auto i = static_cast<size_t>(unit);
-        std::optional<ProbeResult> result = read_result_record(record, spec, i);
-        // A record that cannot be read is made again: the unit's files stay as they are.
-        if (result) history.finished.emplace(i, std::move(*result));
+        // What has no record that can be read, as atlases, is made again: its files stay as they
+        // are.
+        if (auto result = read_result_record(record, spec, i)) {
+            history.finished.emplace(i, std::move(*result));
+        }
     }
     for (const int64_t unit : units.suspects) history.last.insert(static_cast<size_t>(unit));
     for (const int64_t unit : units.poison) {
@@ -245,6 +245,19 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
     std::mutex attempts_mutex;
     std::map<size_t, int64_t> attempts;
     RowFile rows(store_.data());
+    const auto publish = [&](size_t unit, std::string record, std::span<const ProductFile> files) {
+        int64_t attempt = 0;
+        {
+            const std::lock_guard lock(attempts_mutex);
+            attempt = attempts.extract(unit).mapped();
+        }
+        store_.publish(sequence, static_cast<int64_t>(unit), attempt, std::move(record),
+                       new_files(files));
+        const std::lock_guard lock(mutex_);
+        job.crashes = 0;
+        if (attempt == 0) return;  // published before
+        for (const ProductFile& file : files) job.bytes += std::max(kBlockBytes, file.size_bytes);
+    };
     const Json report = run_bake(
         {.job = spec,
          .scene = [&](const CancelToken& cancel) { return scenes_.load(request.scene, cancel); },
@@ -252,20 +265,10 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
          .cancel = job.cancel,
          .sink =
              [&](const ProbeSpec&, const ProbeResult& result) {
-                 const size_t unit = unit_of(spec, result);
-                 int64_t attempt = 0;
-                 {
-                     const std::lock_guard lock(attempts_mutex);
-                     attempt = attempts.extract(unit).mapped();
-                 }
-                 store_.publish(sequence, static_cast<int64_t>(unit), attempt,
-                                write_result_record(result), files_of(result));
-                 const std::lock_guard lock(mutex_);
-                 job.crashes = 0;
-                 for (const ProductFile& file : result.files) {
-                     job.bytes += std::max(kBlockBytes, file.size_bytes);
-                 }
+                 publish(unit_of(spec, result), write_result_record(result), result.files);
              },
+         .grid_sink =
+             [&](const GridResult& result) { publish(unit_of(spec, result), {}, result.files); },
          .on_progress =
              [&](const BakeProgress& progress) {
                  const std::lock_guard lock(mutex_);
@@ -298,19 +301,21 @@ void JobManager::run_mend(const JobPtr& job, const std::set<size_t>& units) {
     std::string cause;
     try {
         const JobRequest request = request_of(*job);
-        if (request.spec.budget.seconds) throw IoError("files", "depend on the time that was left");
+        const JobSpec& spec = request.spec;
+        if (spec.budget.seconds) throw IoError("files", "depend on the time that was left");
+        const auto mend = [&](size_t unit, std::span<const ProductFile> files) {
+            store_.publish(job->seen.sequence, static_cast<int64_t>(unit), 0, {}, new_files(files));
+        };
         run_bake(
-            {.job = request.spec,
+            {.job = spec,
              .scene =
                  [&](const CancelToken& cancel) { return scenes_.load(request.scene, cancel); },
              .pool = pool_,
              .cancel = job->cancel_mending,
-             .sink =
-                 [&](const ProbeSpec&, const ProbeResult& result) {
-                     const size_t unit = unit_of(request.spec, result);
-                     store_.publish(job->seen.sequence, static_cast<int64_t>(unit), 0, {},
-                                    files_of(result));
-                 },
+             .sink = [&](const ProbeSpec&,
+                         const ProbeResult& result) { mend(unit_of(spec, result), result.files); },
+             .grid_sink =
+                 [&](const GridResult& result) { mend(unit_of(spec, result), result.files); },
              .history = {.only = units}});
         mended = true;
     } catch (const Cancelled&) {

@@ -276,12 +276,13 @@ int64_t begin_unit(Database& db, int64_t job, const UnitName& unit) {
 bool publish_unit(Database& db, const UnitResult& result) {
     const int64_t changed = db.run(
         "UPDATE units SET state = ?, record = ?,"
-        " position = (SELECT units_done FROM jobs WHERE sequence = job)"
+        " position = (SELECT coalesce(max(u.position) + 1, 0) FROM units u WHERE u.job = units.job"
+        "             AND u.position IS NOT NULL)"
         " WHERE job = ? AND unit = ? AND attempt = ? AND state = ?",
         kUnitDone, Blob{result.record}, result.job, result.unit, result.attempt, kUnitRunning);
     if (changed == 0) return false;
-    db.run("UPDATE jobs SET units_done = units_done + 1, crashes = 0 WHERE sequence = ?",
-           result.job);
+    db.run("UPDATE jobs SET units_done = units_done + (? < units), crashes = 0 WHERE sequence = ?",
+           result.unit, result.job);
     insert_files(db, result.job, result.unit, result.files);
     return true;
 }
@@ -317,10 +318,10 @@ StoredUnits units_of(Database& db, int64_t job) {
 std::vector<StoredUnit> published(Database& db, int64_t job, int64_t first, int64_t count) {
     std::vector<StoredUnit> units;
     db.query(
-        "SELECT unit, probe, lighting FROM units WHERE job = ? AND position >= ?"
-        " ORDER BY position LIMIT ?",
+        "SELECT unit, probe, lighting, unit >= (SELECT units FROM jobs WHERE sequence = job)"
+        " FROM units WHERE job = ? AND position >= ? ORDER BY position LIMIT ?",
         [&](const Row& row) {
-            units.push_back({{row.integer(0), row.text(1), row.text(2)}, {}});
+            units.push_back({{row.integer(0), row.text(1), row.text(2)}, row.integer(3) != 0, {}});
         },
         job, first, count);
     for (StoredUnit& unit : units) unit.files = files_of(db, job, unit.name.unit);

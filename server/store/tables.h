@@ -1,7 +1,8 @@
 // What the database holds, and every statement of SQL about it.
 //
 //   jobs    one row per accepted job, by its sequence number
-//   units   one row per work unit (probe × state) that was begun
+//   units   one row per work unit (probe × state) that was begun; those from `jobs.units` on are
+//           grids as wholes
 //   files   which files a unit (or, as unit −1, the job) has, by their digests
 //
 // All functions run within a transaction or between two of them, on the thread that owns the
@@ -71,6 +72,7 @@ struct UnitName {
 /// A finished unit.
 struct StoredUnit {
     UnitName name;
+    bool is_grid = false;
     std::vector<StoredFile> files;
 };
 
@@ -131,7 +133,8 @@ bool end_job(Database& db, int64_t job, const JobEnd& end);
 
 /// The number of the attempt at this unit, from 1; 0 where it was finished before.
 int64_t begin_unit(Database& db, int64_t job, const UnitName& unit);
-/// False where the attempt is not the unit's last one or has been published: nothing changes.
+/// False where the attempt is not the unit's last one or has been published: nothing changes. Grids
+/// are none of the units that the job counts.
 struct UnitResult {
     int64_t job = 0;
     int64_t unit = 0;

@@ -22,6 +22,11 @@ ProbeResult some_result() {
     result.certificate.sh = ShAudit{.draws = 7};
     result.certificate.sh->difference[8].z = 0.1;
     result.far_m = std::numeric_limits<double>::infinity();
+    result.settings.shifted_grid = true;
+    DdgiTile& tile = result.ddgi.emplace();
+    tile.irradiance = Image(2, 3);
+    tile.irradiance.at(1, 2).b = 1.0f / 3.0f;
+    tile.distance = Image(1, 1);
     result.files = {{"cube.exr", {}, 5, "abc"}, {"sh.json", {}, 0, ""}};
     return result;
 }
@@ -41,6 +46,7 @@ TEST(ResultRecord, ReadsBackBitByBit) {
     EXPECT_EQ(read->certificate.error.ssim->value, 0.5);
     EXPECT_FALSE(read->certificate.error.irradiance);
     EXPECT_EQ(read->files[0].sha256, "abc");
+    EXPECT_EQ(read->ddgi->irradiance, some_result().ddgi->irradiance);
 }
 
 TEST(ResultRecord, RefusesWhatIsNone) {

@@ -84,7 +84,8 @@ class KillTest : public testing::Test {
             }
             for (const Json& row : page->at("rows")) {
                 for (const Json& file : row.at("files")) {
-                    const std::string name = row.at("probe").get<std::string>() + "/" +
+                    const char* const of = row.contains("grid") ? "grid" : "probe";
+                    const std::string name = row.at(of).get<std::string>() + "/" +
                                              row.at("state").get<std::string>() + "/" +
                                              file.at("name").get<std::string>();
                     const auto got = client_->Get("/v1/bakes/" + id + "/probes/" + name);
@@ -192,6 +193,40 @@ TEST_F(KillTest, C1_NothingIsLostWhereverItIsKilled) {
     EXPECT_EQ(lost, 0);
     EXPECT_EQ(wrong, 0);
     EXPECT_EQ(all.size(), accepted.size() + first.size());
+}
+
+TEST_F(KillTest, C1_AtlasesOfAKilledJobAreThoseOfAnUndisturbedOne) {
+    Json request = test::costly_request(1, 16);
+    request["probes"] = test::grid_request(4, 2, 2)["probes"];
+    request["products"] = {"sh", "ddgi"};
+    start();
+    const std::string whole = *submit(request);
+    wait_until_ended(whole);
+    const auto expected = files_of(whole);
+    ASSERT_EQ(expected.size(), 16U + 2);
+    const std::string id = *submit(request);
+    for (const uint64_t done : {1, 7, 12, 16}) {
+        for (Json bake = *get("/v1/bakes/" + id);
+             !bake.contains("ended_at") && bake.at("progress").at("units_done") < done;) {
+            bake = *get("/v1/bakes/" + id);
+        }
+        kill();
+        ASSERT_GT(start(), 0.0);
+    }
+    EXPECT_EQ(wait_until_ended(id).at("state"), "SUCCEEDED");
+    EXPECT_EQ(files_of(id), expected);
+    if (test::sanitized()) return;  // the shim and a sanitizer do not go together
+    // And while it writes the second atlas.
+    kill();
+    fs::remove_all(path("data"));
+    start({},
+          {"SHIM_ROOT=" + path("data"), "SHIM_KILL=" + expected.at("g/albedo/ddgi-distance.exr"),
+           "LD_PRELOAD=" PROBEBAKE_SHIM});
+    const std::string again = *submit(request);
+    EXPECT_EQ(service_->wait(), -1);
+    ASSERT_GT(start(), 0.0);
+    EXPECT_EQ(wait_until_ended(again).at("state"), "SUCCEEDED");
+    EXPECT_EQ(files_of(again), expected);
 }
 
 TEST_F(KillTest, C1_TenThousandJobsDoNotDelayTheStart) {

@@ -61,6 +61,34 @@ TEST_F(JobRestartTest, AStoppedJobGoesOnAtTheNextStartWhereItWas) {
     EXPECT_EQ(text(id), text(whole)) << "the report of a job that was interrupted is another";
 }
 
+TEST_F(JobRestartTest, AtlasesOfAStoppedJobAreThoseOfAnUndisturbedOne) {
+    Json request = test::grid_request(3, 2, 2);
+    request["lighting_states"] = {"albedo", "emission"};
+    start();
+    const std::string whole = submit(request);
+    wait_until_ended(whole);
+    const std::string id = submit(request);
+    for (const uint64_t done : {4, 11, 23}) {
+        wait_until(id, [&](const JobSnapshot& job) { return job.progress.units_done >= done; });
+        restart();
+    }
+    const JobSnapshot job = wait_until_ended(id);
+    EXPECT_EQ(job.state, JobState::kSucceeded);
+    EXPECT_EQ(job.progress.units_done, 24U) << "atlases are none of a job's units";
+    std::map<int64_t, std::vector<std::string>> digests;
+    for (const std::string& of : {whole, id}) {
+        const std::vector<StoredUnit> stored = units(of);
+        EXPECT_EQ(stored.size(), 26U);
+        for (const StoredUnit& unit : stored) {
+            EXPECT_EQ(unit.is_grid, unit.name.unit >= 24);
+            std::string text;
+            for (const StoredFile& f : unit.files) text += f.name + f.sha256;
+            digests[unit.name.unit].push_back(text);
+        }
+    }
+    for (const auto& [unit, both] : digests) EXPECT_EQ(both.front(), both.back()) << unit;
+}
+
 TEST_F(JobRestartTest, JobsWaitThroughARestartInTheirOrder) {
     gated_ = true;
     start({.max_running = 1});
@@ -160,18 +188,25 @@ TEST_F(JobRestartTest, TenantsShareTheThreadsAndHaveAQuota) {
 
 TEST_F(JobRestartTest, ADamagedFileIsBakedAgain) {
     start();
-    const std::string id = submit(test::net_request(3));
+    const std::string id = submit(test::grid_request(2, 1, 1));
     wait_until_ended(id);
-    const std::string digest = file(id, "p1")->file.sha256;
-    const std::filesystem::path path = folder_.path() / "data/files" / digest.substr(0, 2) / digest;
-    std::string bytes = test::read_text(path);
-    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
-    test::write_text(path, bytes);
-    const auto damaged = file(id, "p1");
-    EXPECT_EQ(damaged->content, nullptr);
-    EXPECT_EQ(manager_->mend(id, damaged->unit), JobManager::Mend::kUnderWay);
-    for (int i = 0; i < 60000 && !file(id, "p1")->content; ++i) std::this_thread::sleep_for(5ms);
-    EXPECT_TRUE(file(id, "p1")->content);
+    for (const auto& [of, name] : std::vector<std::pair<std::string, std::string>>{
+             {"g-1-0-0", "cube.exr"}, {"g", "ddgi-distance.exr"}}) {
+        const auto open = [&, of = of, name = name] {
+            return *store_->open_unit_file(manager_->find(id)->sequence, of, "albedo", name);
+        };
+        const std::string digest = open().file.sha256;
+        const std::filesystem::path path =
+            folder_.path() / "data/files" / digest.substr(0, 2) / digest;
+        std::string bytes = test::read_text(path);
+        bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+        test::write_text(path, bytes);
+        const OpenStored damaged = open();
+        EXPECT_EQ(damaged.content, nullptr);
+        EXPECT_EQ(manager_->mend(id, damaged.unit), JobManager::Mend::kUnderWay);
+        for (int i = 0; i < 60000 && !open().content; ++i) std::this_thread::sleep_for(5ms);
+        EXPECT_TRUE(open().content) << name;
+    }
     EXPECT_EQ(manager_->find(id)->state, JobState::kSucceeded);
     EXPECT_EQ(history(id).size(), 3U) << "a terminal state does not change";
 }

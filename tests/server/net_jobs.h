@@ -29,6 +29,18 @@ inline Json net_request(int probes = 2, int face_size_px = 8) {
     return request;
 }
 
+/// A grid "g" of counts probes over the net, with its atlases.
+inline Json grid_request(int x, int y, int z) {
+    Json request = net_request(1);
+    request["probes"] = {{"grids",
+                          {{{"id", "g"},
+                            {"origin_m", {2.1, 3.6, 7.3}},
+                            {"spacing_m", {1.25, 0.5, 0.25}},
+                            {"counts", {x, y, z}}}}}};
+    request["products"] = {"cube", "ddgi"};
+    return request;
+}
+
 /// The same with settings of its own, so that every probe costs a good deal: 256 leaf rays a pixel,
 /// no pilot, no audit.
 inline Json costly_request(int probes, int face_size_px) {

@@ -1,8 +1,9 @@
 # The service in a container:
 #   docker build -t probebake .
 #   docker run -p 127.0.0.1:8080:8080 -v probebake-data:/probebake/data probebake
-# Publish the port to 127.0.0.1 only, or to a reverse proxy: the service knows no users and no
-# encryption. Scenes of your own: -v DIRECTORY:/probebake/configs/scenes:ro.
+# nginx stands in front of it (configs/nginx.conf). Without --tokens whoever reaches the port may do
+# everything, and there is no encryption: publish the port to 127.0.0.1 only, or give both. Scenes of
+# your own: -v DIRECTORY:/probebake/configs/scenes:ro.
 
 FROM debian:12-slim AS build
 WORKDIR /source
@@ -14,16 +15,17 @@ RUN scripts/build release --target probebake
 FROM debian:12-slim
 WORKDIR /probebake
 RUN --mount=type=bind,source=scripts,target=/scripts \
-    /scripts/install-packages runtime && \
+    /scripts/install-packages runtime proxy && \
     rm -rf /var/lib/apt/lists/* && \
     useradd --system --no-create-home probebake && \
     install --directory --owner=probebake data
 COPY --from=build /source/build/release/probebake /usr/local/bin/
 COPY LICENSE .
 COPY configs configs
+COPY scripts/serve scripts/
 USER probebake
 VOLUME ["/probebake/data", "/probebake/configs/scenes"]
 EXPOSE 8080
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
     CMD ["probebake", "list", "--state", "RUNNING"]
-CMD ["probebake", "serve", "--host", "0.0.0.0", "--expose", "--data", "data"]
+CMD ["scripts/serve", "--listen", "0.0.0.0:8080", "--data", "data"]

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
     add_bake_command(app, work);
     add_check_command(app, work);
     add_client_commands(app, work);
+    add_import_command(app, work);
     add_preview_command(app, work);
     add_scene_command(app, work);
     add_serve_command(app, work);

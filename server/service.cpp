@@ -11,6 +11,7 @@ JobManager::Options Service::watched(const ServiceOptions& options) {
         metrics_.count_job(job);
         if (log) log_job(job, cause);
     };
+    jobs.on_report = [this](const Json& report) { metrics_.count_report(report); };
     jobs.on_mend = [this, log](const std::string& id, size_t units, const std::string& cause) {
         metrics_.count_mended(units, cause.empty());
         if (log) log_mend(id, units, cause);

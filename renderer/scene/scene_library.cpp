@@ -89,16 +89,11 @@ World make_world(const SceneFile& file, SceneLoadStats& stats) {
     return world;
 }
 
-/// A cache that cannot be written costs time later, nothing else: a warning.
-void save_world(const std::filesystem::path& path, World& world) {
+void save_world(const std::filesystem::path& path, const World& world) {
     const Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
                         {"warnings", world.warnings}};
-    try {
-        std::filesystem::create_directories(path.parent_path());
-        save_tree(path, world.tree, dump_json(notes));
-    } catch (const std::runtime_error& error) {
-        world.warnings.push_back(std::string("the scene cache was not written: ") + error.what());
-    }
+    std::filesystem::create_directories(path.parent_path());
+    save_tree(path, world.tree, dump_json(notes));
 }
 
 /// No value where the cache has no whole file of it.
@@ -115,6 +110,24 @@ std::optional<World> load_world(const std::filesystem::path& path) {
     } catch (const IoError&) {
         return std::nullopt;
     }
+}
+
+/// All of a scene but its world.
+Scene scene_of(const SceneFile& file) {
+    Scene scene;
+    scene.name = file.name;
+    scene.sha256 = content_sha256(file);
+    scene.author = file.author;
+    scene.licence = file.licence;
+    scene.voxel_size_m = file.voxel_size_m;
+    scene.folder = file.folder;
+    return scene;
+}
+
+void put_world(World world, const Vec3& origin_m, Scene& scene) {
+    scene.tree = std::move(world.tree);
+    scene.warnings = std::move(world.warnings);
+    scene.corner_m = origin_m + Vec3(world.lowest) * scene.voxel_size_m;
 }
 
 }  // namespace
@@ -177,27 +190,42 @@ std::string content_sha256(const SceneFile& file) {
 
 Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::path>& cache_dir) {
     const auto start = Clock::now();
-    Scene scene;
-    scene.name = file.name;
-    scene.sha256 = content_sha256(file);
-    scene.author = file.author;
-    scene.licence = file.licence;
-    scene.voxel_size_m = file.voxel_size_m;
-    scene.folder = file.folder;
-    std::optional<std::filesystem::path> cached;
-    if (cache_dir) cached = *cache_dir / (scene.sha256 + ".voxtree");
-    std::optional<World> world;
-    if (cached) world = load_world(*cached);
-    scene.load.from_cache = world.has_value();
-    if (!world) {
-        world = make_world(file, scene.load);
-        if (cached) save_world(*cached, *world);
+    if (cache_dir) {
+        if (std::optional<Scene> scene = find_cached_scene(file, *cache_dir))
+            return *std::move(scene);
     }
-    scene.tree = std::move(world->tree);
-    scene.warnings = std::move(world->warnings);
-    scene.corner_m = file.origin_m + Vec3(world->lowest) * file.voxel_size_m;
+    Scene scene = scene_of(file);
+    World world = make_world(file, scene.load);
+    try {
+        if (cache_dir) save_world(cached_tree(*cache_dir, scene.sha256), world);
+    } catch (const std::runtime_error& error) {  // costs time later, nothing else
+        world.warnings.push_back(std::string("the scene cache was not written: ") + error.what());
+    }
+    put_world(std::move(world), file.origin_m, scene);
     scene.load.total_seconds = seconds_since(start);
     return scene;
+}
+
+std::filesystem::path cached_tree(const std::filesystem::path& cache_dir,
+                                  const std::string& sha256) {
+    return cache_dir / (sha256 + ".voxtree");
+}
+
+std::optional<Scene> find_cached_scene(const SceneFile& file,
+                                       const std::filesystem::path& cache_dir) {
+    const auto start = Clock::now();
+    Scene scene = scene_of(file);
+    std::optional<World> world = load_world(cached_tree(cache_dir, scene.sha256));
+    if (!world) return std::nullopt;
+    scene.load.from_cache = true;
+    put_world(std::move(*world), file.origin_m, scene);
+    scene.load.total_seconds = seconds_since(start);
+    return scene;
+}
+
+void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir) {
+    SceneLoadStats stats;
+    save_world(cached_tree(cache_dir, content_sha256(file)), make_world(file, stats));
 }
 
 SceneLibrary::SceneLibrary(std::filesystem::path folder) : folder_(std::move(folder)) { names(); }

@@ -65,6 +65,16 @@ std::string content_sha256(const SceneFile& file);
 Scene load_scene(const SceneFile& file,
                  const std::optional<std::filesystem::path>& cache_dir = std::nullopt);
 
+/// Where the cache has a scene's tree.
+std::filesystem::path cached_tree(const std::filesystem::path& cache_dir,
+                                  const std::string& sha256);
+/// No value where the cache does not have it whole. Throws IoError for files that cannot be read.
+std::optional<Scene> find_cached_scene(const SceneFile& file,
+                                       const std::filesystem::path& cache_dir);
+/// Makes the scene's tree and puts it into the cache. Throws as load_scene, and where the cache
+/// cannot be written.
+void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir);
+
 class SceneLibrary {
   public:
     /// Throws IoError where the folder cannot be listed.

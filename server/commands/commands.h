@@ -16,6 +16,7 @@ using CommandWork = std::function<int()>;
 void add_bake_command(CLI::App& app, CommandWork& work);
 void add_check_command(CLI::App& app, CommandWork& work);
 void add_client_commands(CLI::App& app, CommandWork& work);  // submit, list, status, wait, …
+void add_import_command(CLI::App& app, CommandWork& work);
 void add_preview_command(CLI::App& app, CommandWork& work);
 void add_scene_command(CLI::App& app, CommandWork& work);
 void add_serve_command(CLI::App& app, CommandWork& work);

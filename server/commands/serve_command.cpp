@@ -31,6 +31,8 @@ struct ServeOptions {
     uint64_t keep_days = 30;
     uint64_t min_free_mib = 64;
     uint64_t scene_gib = 8;
+    uint64_t import_mib = 8192;
+    int64_t import_seconds = 600;
     std::optional<std::filesystem::path> port_file;
     std::string config;
 };
@@ -45,13 +47,13 @@ std::string in_url(const std::string& host) {
 
 ServiceOptions service_options(const ServeOptions& options) {
     ServiceOptions service = options.service;
-    if (!is_loopback(service.http.host) && !options.expose) {
+    if (!service.http.socket && !is_loopback(service.http.host) && !options.expose) {
         throw std::invalid_argument(
             "--host " + service.http.host +
-            " is reachable from other machines. This version knows no users and no encryption: "
-            "whoever reaches the port can start and cancel bakes and fill the disk, and idle "
-            "connections can lock others out. Put a reverse proxy in front of a loopback "
-            "address, or pass --expose if the network is yours alone");
+            " is reachable from other machines. There is no encryption, and idle connections can "
+            "lock others out; without --tokens, whoever reaches the port can start and cancel "
+            "bakes and fill the disk. Put the proxy of scripts/serve in front, or pass --expose if "
+            "the network is yours alone");
     }
     service.scenes = options.scenes.scenes;
     service.threads = options.scenes.threads;
@@ -60,6 +62,10 @@ ServiceOptions service_options(const ServeOptions& options) {
     service.jobs.keep_bytes = options.keep_gib << 30;
     service.jobs.keep_time = std::chrono::hours(24 * options.keep_days);
     service.store.min_free_bytes = options.min_free_mib << 20;
+    service.cache.importer = ImportProcess{
+        .program = std::filesystem::read_symlink("/proc/self/exe"),
+        .scratch = service.data / "temporary",
+        .limits = {options.import_mib << 20, std::chrono::seconds(options.import_seconds)}};
     service.http.guard.hosts.push_back(in_url(service.http.host));
     for (const std::string& host : options.allow_hosts) {
         service.http.guard.hosts.push_back(host);
@@ -113,8 +119,11 @@ int serve(const ServeOptions& options) {
     if (options.port_file) {
         write_file_atomically(*options.port_file, std::to_string(service->port()) + "\n");
     }
-    std::cout << "listening on http://" << in_url(service_options.http.host) << ":"
-              << service->port() << std::endl;
+    std::cout << "listening on "
+              << (service_options.http.socket ? service_options.http.socket->string()
+                                              : "http://" + in_url(service_options.http.host) +
+                                                    ":" + std::to_string(service->port()))
+              << std::endl;
 
     constexpr std::chrono::milliseconds kLook{500};
     while (!signals.wait(kLook)) {
@@ -159,11 +168,22 @@ void add_serve_command(CLI::App& app, CommandWork& work) {
     command->add_option("--port", http.port, "Port; 0 picks a free one")
         ->check(CLI::Range(0, 65535))
         ->capture_default_str();
+    command->add_option("--socket", http.socket, "Unix socket to listen on, instead of a port");
     command->add_option("--data", options->service.data, "Folder of the jobs' files")
         ->capture_default_str();
     options->scenes.add_to(*command);
     command->add_option("--scene-gib", options->scene_gib, "Memory for loaded scenes, GiB")
         ->check(CLI::Range(0, 1 << 20))
+        ->capture_default_str();
+    command
+        ->add_option("--import-mib", options->import_mib,
+                     "Memory of a process that imports a scene, MiB")
+        ->check(CLI::Range(64, 1 << 30))
+        ->capture_default_str();
+    command
+        ->add_option("--import-seconds", options->import_seconds,
+                     "Time of a process that imports a scene")
+        ->check(CLI::Range(1, 1 << 30))
         ->capture_default_str();
     command->add_option("--max-running", jobs.max_running, "Jobs that bake at once")
         ->check(CLI::Range(1, 64))

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "io/io_error.h"
+
 namespace probebake {
 namespace {
 
@@ -15,6 +17,7 @@ SceneCache::SceneCache(RenderPool& pool, Options options)
     : pool_(pool), options_(std::move(options)) {}
 
 SceneCache::~SceneCache() {
+    end_.cancel();
     std::list<Loader> loaders;  // joined here, without the lock that they need to finish
     const std::lock_guard lock(mutex_);
     loaders.swap(loaders_);
@@ -47,9 +50,7 @@ void SceneCache::load(const SceneFile& file, const std::string& key,
     std::shared_ptr<const Scene> scene;
     std::exception_ptr failure;
     try {
-        pool_.run([&] {
-            scene = std::make_shared<const Scene>(load_scene(file, options_.tree_cache_dir));
-        });
+        scene = load_or_throw(file);
     } catch (...) {
         failure = std::current_exception();
     }
@@ -60,6 +61,24 @@ void SceneCache::load(const SceneFile& file, const std::string& key,
     entry->loading = false;
     if (failure) entries_.erase(key);  // the next one who asks tries again
     changed_.notify_all();
+}
+
+std::shared_ptr<const Scene> SceneCache::load_or_throw(const SceneFile& file) {
+    std::optional<Scene> scene;
+    if (file.generator || !options_.importer) {
+        pool_.run([&] { scene = load_scene(file, options_.tree_cache_dir); });
+        return std::make_shared<const Scene>(std::move(*scene));
+    }
+    const std::filesystem::path folder =
+        options_.tree_cache_dir.value_or(options_.importer->scratch);
+    scene = find_cached_scene(file, folder);
+    if (!scene) {
+        import_in_process(*options_.importer, file, folder, end_);
+        scene = find_cached_scene(file, folder);
+        if (!scene) throw IoError(file.name, "was changed while it was imported");
+        if (!options_.tree_cache_dir) std::filesystem::remove(cached_tree(folder, scene->sha256));
+    }
+    return std::make_shared<const Scene>(std::move(*scene));
 }
 
 void SceneCache::evict() {

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "engine/render_pool.h"
+#include "engine/scene_import.h"
 #include "io/cancel.h"
 #include "scene/scene_library.h"
 
@@ -27,10 +28,12 @@ class SceneCache {
         uint64_t memory_budget_bytes = uint64_t{8} << 30;
         /// Where trees are kept between runs; none: nowhere.
         std::optional<std::filesystem::path> tree_cache_dir;
+        /// How files of other programs are imported; none: by this process.
+        std::optional<ImportProcess> importer;
     };
 
     SceneCache(RenderPool& pool, Options options);
-    /// Waits for loads that are under way.
+    /// Waits for loads that are under way; imports are ended.
     ~SceneCache();
     SceneCache(const SceneCache&) = delete;
     SceneCache& operator=(const SceneCache&) = delete;
@@ -55,6 +58,7 @@ class SceneCache {
     };
 
     void load(const SceneFile& file, const std::string& key, const std::shared_ptr<Entry>& entry);
+    std::shared_ptr<const Scene> load_or_throw(const SceneFile& file);
     // With mutex_ held:
     uint64_t loaded_bytes() const;
     void evict();
@@ -62,6 +66,7 @@ class SceneCache {
 
     RenderPool& pool_;
     const Options options_;
+    CancelToken end_;
 
     mutable std::mutex mutex_;
     // Guarded by mutex_:

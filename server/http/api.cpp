@@ -24,7 +24,7 @@ Json write_scene_entry(const SceneLibrary& scenes, const std::string& name) {
             json["size"] = file->generator->size;
             json["seed"] = file->generator->seed;
         } else {
-            json["type"] = "vox";
+            json["type"] = file->vox ? "vox" : "heightmap";
         }
         return json;
     } catch (const std::exception& error) {

@@ -6,6 +6,7 @@
 #include "bake/plan.h"
 #include "http/api.h"
 #include "http/file_answer.h"
+#include "http/page_token.h"
 #include "http/query.h"
 #include "io/io_error.h"
 #include "io/sha256.h"
@@ -188,8 +189,7 @@ void Api::list(const Call& call) {
         }
     }
     if (const auto token = query.text("page_token")) {
-        const std::optional<uint64_t> before = read_digits(*token);
-        if (before) wanted.before = static_cast<int64_t>(*before & INT64_MAX);
+        wanted.before = read_bake_token(*token);
         if (!wanted.before) QueryReader::refuse("page_token", "expected what a page before gave");
     }
     query.refuse_unknown();

@@ -1,6 +1,7 @@
 // What a job made, over HTTP: report, rows, files.
 #include "http/api.h"
 #include "http/file_answer.h"
+#include "http/page_token.h"
 #include "http/query.h"
 #include "io/io_error.h"
 
@@ -32,19 +33,6 @@ Json write_unit(const StoredUnit& unit) {
     QueryReader::refuse("page_token", "expected what a page before gave");
 }
 
-/// Where a page of rows begins: "u" and a count of published units, or "r" and a byte of the rows.
-struct RowToken {
-    bool final_rows = false;
-    uint64_t at = 0;
-};
-
-RowToken read_token(const std::string& text) {
-    const std::optional<uint64_t> at =
-        read_digits(std::string_view(text).substr(text.empty() ? 0 : 1));
-    if (!at || (text[0] != 'u' && text[0] != 'r')) refuse_token();
-    return {text[0] == 'r', *at};
-}
-
 }  // namespace
 
 void Api::report(const Call& call) {
@@ -71,8 +59,10 @@ void Api::rows(const Call& call) {
     const std::optional<std::string> text = query.text("page_token");
     query.refuse_unknown();
     const JobSnapshot job = find_job(call);
-    const RowToken token =
-        text ? read_token(*text) : RowToken{.final_rows = job.state == JobState::kSucceeded};
+    const std::optional<RowToken> given =
+        text ? read_row_token(*text) : RowToken{.final_rows = job.state == JobState::kSucceeded};
+    if (!given) refuse_token();
+    const RowToken token = *given;
 
     std::string body;
     std::string next;
@@ -88,7 +78,7 @@ void Api::rows(const Call& call) {
         }
         if (!page) refuse_token();
         for (const std::string& row : page->rows) body += (body.empty() ? "" : ",\n") + row;
-        if (page->next) next = "r" + std::to_string(*page->next);
+        if (page->next) next = write_row_token({true, *page->next});
     } else {
         std::vector<StoredUnit> units = parts_.store.published(job.sequence, token.at, count + 1);
         const bool more = units.size() > count;
@@ -96,7 +86,7 @@ void Api::rows(const Call& call) {
         for (const StoredUnit& unit : units) {
             body += (body.empty() ? "" : ",\n") + dump_json(write_unit(unit));
         }
-        if (more) next = "u" + std::to_string(token.at + units.size());
+        if (more) next = write_row_token({false, token.at + units.size()});
     }
     // The rows are JSON texts already: a page of them is not parsed to be written again.
     call.response.set_content(

@@ -2,6 +2,7 @@
 
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "http/problem.h"
+#include "http/unix_socket.h"
 #include "store/job_state.h"
 
 namespace probebake {
@@ -67,6 +69,7 @@ class HttpServer::Library : public httplib::Server {
     void stop_listening() {
         stop();
         if (listener_.joinable()) listener_.join();
+        if (options_.socket) ::unlink(options_.socket->c_str());
     }
     int port() const { return port_; }
     bool listening() const { return listening_; }
@@ -120,6 +123,10 @@ class HttpServer::Library : public httplib::Server {
     }
 
     void bind() {
+        if (options_.socket) {
+            svr_sock_ = listen_on_unix_socket(*options_.socket);
+            return;
+        }
         const bool bound = options_.port == 0 ? (port_ = bind_to_any_port(options_.host)) > 0
                                               : bind_to_port(options_.host, options_.port);
         if (!bound) {
@@ -129,7 +136,6 @@ class HttpServer::Library : public httplib::Server {
         }
         if (options_.port != 0) port_ = options_.port;
         // The library's backlog of 5 makes bursts of clients wait for a second and more.
-        constexpr int kBacklog = 1024;
         ::listen(svr_sock_, kBacklog);
     }
 

@@ -9,8 +9,10 @@
 
 #include <httplib.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "http/connection.h"
@@ -37,6 +39,8 @@ class HttpServer {
     struct Options {
         std::string host = "127.0.0.1";
         int port = 8080;  // 0: any free one
+        /// A unix socket instead of host and port.
+        std::optional<std::filesystem::path> socket;
         GuardLimits guard;
         ConnectionLimits connection;
         ConnectionPool::Options pool;
@@ -49,7 +53,7 @@ class HttpServer {
     HttpServer(const Options& options, Handler handler, Log log);
     ~HttpServer();
 
-    int port() const;
+    int port() const;  // 0 with a unix socket
     /// False once the socket does not accept any more.
     bool listening() const;
     /// Takes no more connections; answers what was taken, but breaks downloads off.

@@ -65,10 +65,35 @@ Metrics::Metrics()
                  .Help("Probes times lighting states of jobs that ended")
                  .Register(registry_)
                  .Add({})),
+      rays_(BuildCounter()
+                .Name("probebake_rays_total")
+                .Help("Rays of bakes that succeeded, those of pilots and audits too")
+                .Register(registry_)
+                .Add({})),
+      steps_(BuildCounter()
+                 .Name("probebake_octree_steps_total")
+                 .Help("Octree nodes that these rays entered")
+                 .Register(registry_)
+                 .Add({})),
+      bytes_(BuildCounter()
+                 .Name("probebake_artifact_bytes_total")
+                 .Help("Bytes of files of bakes that succeeded")
+                 .Register(registry_)
+                 .Add({})),
       mended_(BuildCounter()
                   .Name("probebake_damaged_units_total")
                   .Help("Units whose files were found damaged, by what became of them")
                   .Register(registry_)),
+      recovered_(BuildCounter()
+                     .Name("probebake_recovered_units_total")
+                     .Help("Units that were under way when the process before this one ended")
+                     .Register(registry_)
+                     .Add({})),
+      poisoned_(BuildCounter()
+                    .Name("probebake_poisoned_units_total")
+                    .Help("Of these, those that are given up")
+                    .Register(registry_)
+                    .Add({})),
       jobs_(BuildGauge()
                 .Name("probebake_jobs")
                 .Help("Jobs that are known, by state")
@@ -92,7 +117,13 @@ Metrics::Metrics()
                      .Name("probebake_disk_free_bytes")
                      .Help("Room on the disk of the data directory")
                      .Register(registry_)
-                     .Add({})) {}
+                     .Add({})) {
+    // There from the start, so that the first one is an increase.
+    for (const char* result : {"mended", "lost"}) mended_.Add({{"result", result}});
+    for (const JobState state : {JobState::kSucceeded, JobState::kFailed, JobState::kCancelled}) {
+        ended_.Add({{"state", std::string(name_of(state))}});
+    }
+}
 
 void Metrics::count_request(const RequestLog& request) {
     requests_
@@ -111,6 +142,16 @@ void Metrics::count_job(const JobSnapshot& job) {
     if (job.started && job.ended) bake_seconds_.Observe(seconds(*job.started, *job.ended));
 }
 
+void Metrics::count_report(const Json& report) {
+    const Json& totals = report.at("totals");
+    bytes_.Increment(totals.at("bytes").get<double>());
+    for (const auto& [part, cost] : totals.at("cost").items()) {
+        if (!cost.is_object()) continue;
+        rays_.Increment(cost.value("rays", 0.0) + cost.value("discarded_rays", 0.0));
+        steps_.Increment(cost.value("steps", 0.0));
+    }
+}
+
 void Metrics::count_mended(size_t units, bool mended) {
     mended_.Add({{"result", mended ? "mended" : "lost"}}).Increment(static_cast<double>(units));
 }
@@ -127,6 +168,8 @@ std::string Metrics::scrape(const JobManager& jobs, const JobStore& store) {
     raise_to(commits_, static_cast<double>(store_counts.commits));
     raise_to(writes_, static_cast<double>(store_counts.writes));
     raise_to(commit_seconds_, store_counts.commit_seconds);
+    raise_to(recovered_, static_cast<double>(store.recovered().units));
+    raise_to(poisoned_, static_cast<double>(store.recovered().poison));
     disk_free_.Set(static_cast<double>(store.data().free_bytes()));
     return prometheus::TextSerializer().Serialize(registry_.Collect());
 }

@@ -22,6 +22,7 @@ class Metrics {
     void count_request(const RequestLog& request);
     /// A job entered a state.
     void count_job(const JobSnapshot& job);
+    void count_report(const Json& report);
     void count_mended(size_t units, bool mended);
 
     /// The text of a scrape, with what jobs and store say now.
@@ -35,7 +36,12 @@ class Metrics {
     prometheus::Histogram& queue_seconds_;
     prometheus::Histogram& bake_seconds_;
     prometheus::Counter& units_;
+    prometheus::Counter& rays_;
+    prometheus::Counter& steps_;
+    prometheus::Counter& bytes_;
     prometheus::Family<prometheus::Counter>& mended_;
+    prometheus::Counter& recovered_;
+    prometheus::Counter& poisoned_;
     prometheus::Family<prometheus::Gauge>& jobs_;
     prometheus::Counter& commits_;
     prometheus::Counter& writes_;

@@ -22,6 +22,12 @@ class SceneChanged : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// Ends a job whose scene cannot be loaded.
+class SceneUnusable : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
 /// Takes the rows of a job one by one.
 class RowFile {
   public:
@@ -183,6 +189,8 @@ JobManager::Outcome JobManager::bake(Job& job) {
         return {.state = JobState::kCancelled};
     } catch (const SceneChanged& error) {
         return failed("scene_changed", error.what(), error.what());
+    } catch (const SceneUnusable& error) {
+        return failed("scene", error.what(), error.what());
     } catch (const UnitsFailed& error) {
         Outcome outcome = failed("units", error.what(), error.what());
         outcome.failure->issues = error.issues();
@@ -260,7 +268,14 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
     };
     const Json report = run_bake(
         {.job = spec,
-         .scene = [&](const CancelToken& cancel) { return scenes_.load(request.scene, cancel); },
+         .scene =
+             [&](const CancelToken& cancel) {
+                 try {
+                     return scenes_.load(request.scene, cancel);
+                 } catch (const IoError& error) {
+                     throw SceneUnusable(error.what());
+                 }
+             },
          .pool = pool_,
          .cancel = job.cancel,
          .sink =
@@ -286,6 +301,7 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
                  attempts[unit] = attempt;
              },
          .history = history_of(job, spec)});
+    if (options_.on_report) options_.on_report(report);
     RowFile report_file(store_.data());
     report_file.add_text(dump_json(report) + "\n");
     Outcome outcome{.state = JobState::kSucceeded,

@@ -18,7 +18,7 @@ JobStore::JobStore(const std::filesystem::path& folder, const Options& options)
     : options_(options), data_(folder), db_(data_.database()) {
     tables::open(db_);
     db_.execute("BEGIN IMMEDIATE");
-    tables::recover(db_, options_.poison_after, unix_ms_now());
+    recovered_ = tables::recover(db_, options_.poison_after, unix_ms_now());
     db_.execute("COMMIT");
     sync_folder(data_.path());  // the database and its log
     db_.rely_on_it();

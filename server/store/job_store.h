@@ -101,6 +101,8 @@ class JobStore {
     /// Whether new jobs are taken, as far as the disk is concerned.
     bool has_room() const;
     Counts counts() const;
+    /// What the process before this one left.
+    const tables::Recovered& recovered() const { return recovered_; }
     /// One step of work that can wait: files of jobs that are gone are removed, the ballast is
     /// restored. False where nothing is left to do.
     bool tidy();
@@ -124,6 +126,7 @@ class JobStore {
     const DataFolder data_;
     FileStore files_{data_};
     Database db_;
+    tables::Recovered recovered_;
 
     mutable std::mutex mutex_;
     // Guarded by mutex_:

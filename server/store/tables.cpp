@@ -167,16 +167,18 @@ void open(Database& db) {
     migrate(db);
 }
 
-void recover(Database& db, int64_t poison_after, UnixMs now) {
+Recovered recover(Database& db, int64_t poison_after, UnixMs now) {
+    Recovered recovered;
     // Between units: loading, lighting, the pilot, the report.
     db.run(
         "UPDATE jobs SET crashes = crashes + 1 WHERE state = ? AND NOT EXISTS"
         " (SELECT 1 FROM units WHERE job = sequence AND units.state = ?)",
         kRunning, kUnitRunning);
-    db.run(
-        "UPDATE units SET crashes = crashes + 1,"
-        " state = CASE WHEN crashes + 1 >= ? THEN ? ELSE ? END WHERE state = ?",
-        poison_after, kUnitPoison, kUnitPending, kUnitRunning);
+    recovered.poison = db.run("UPDATE units SET state = ? WHERE state = ? AND crashes + 1 >= ?",
+                              kUnitPoison, kUnitRunning, poison_after);
+    recovered.units = recovered.poison;
+    recovered.units += db.run("UPDATE units SET crashes = crashes + 1, state = ? WHERE state = ?",
+                              kUnitPending, kUnitRunning);
     db.run("UPDATE jobs SET state = ?, ended = ? WHERE state = ?", kCancelled, now, kCancelling);
     db.run(
         "UPDATE jobs SET state = ?, ended = ?, failure = ? WHERE state = ? AND crashes >= ?",
@@ -184,6 +186,7 @@ void recover(Database& db, int64_t poison_after, UnixMs now) {
         R"({"code": "poison", "detail": "the service ended several times while it prepared this job"})",
         kRunning, poison_after);
     db.run("UPDATE jobs SET state = ? WHERE state = ?", kQueued, kRunning);
+    return recovered;
 }
 
 std::vector<StoredJob> jobs(Database& db) {

@@ -109,7 +109,11 @@ void open(Database& db);
 
 /// What a crash or a shutdown left: jobs that ran wait again, jobs that were being cancelled are
 /// cancelled; units and jobs that were under way count a crash, unless it was a shutdown.
-void recover(Database& db, int64_t poison_after, UnixMs now);
+struct Recovered {
+    int64_t units = 0;   // that were under way
+    int64_t poison = 0;  // of these, those that are given up
+};
+Recovered recover(Database& db, int64_t poison_after, UnixMs now);
 std::vector<StoredJob> jobs(Database& db);
 
 struct Inserted {

@@ -1,6 +1,8 @@
 // The examples in configs/ work: every scene file is one, every job can be baked.
 #include <gtest/gtest.h>
 
+#include <regex>
+
 #include "io/file.h"
 #include "running_service.h"
 
@@ -46,6 +48,26 @@ TEST(Configs, EveryJobIsBaked) {
         ++jobs;
     }
     EXPECT_GE(jobs, 5U);
+}
+
+TEST(Configs, AlertsAndDashboardNameMetricsThatThereAre) {
+    const RunningService service;
+    service.bake(test::net_request(1));
+    const std::string metrics = service.get("/metrics").body;
+    const std::regex name("probebake_[a-z0-9_]+");
+    for (const char* file : {"prometheus-alerts.yaml", "grafana-dashboard.json"}) {
+        const std::string text = test::read_text(kConfigs / file);
+        std::set<std::string> named;
+        for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at) {
+            named.insert(at->str());
+        }
+        EXPECT_GE(named.size(), 9U) << file;
+        for (const std::string& metric : named) {
+            EXPECT_NE(metrics.find(metric), std::string::npos) << metric << " of " << file;
+        }
+    }
+    EXPECT_EQ(parse_json(test::read_text(kConfigs / "grafana-dashboard.json")).at("title"),
+              "probebake");
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ TEST_F(JobManagerTest, FailuresSayWhyAndNoMoreThanThat) {
         return *job.failure;
     };
     const JobFailure file = failure_of([] { throw IoError("net.vox", "is damaged"); });
-    EXPECT_EQ(file.code, "storage");
+    EXPECT_EQ(file.code, "scene");
     EXPECT_EQ(file.detail, "net.vox: is damaged");
     const JobFailure spec =
         failure_of([] { throw SpecError(SpecError::Kind::kUnacceptable, "/probes", "no room"); });

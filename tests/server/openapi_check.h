@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -115,9 +118,26 @@ class OpenApiCheck {
     std::vector<const Json*> operations_;
 };
 
+/// Keeps an answer for tests/openapi/check_exchanges.py, where that asked for it.
+inline void record_exchange(const Json& exchange) {
+    const char* const path = std::getenv("PROBEBAKE_EXCHANGES");
+    if (path == nullptr) return;
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    std::ofstream(path, std::ios::app) << dump_json(exchange) << '\n';
+}
+
 /// Fails the test that got this answer where the description says otherwise.
 inline void expect_described(const std::string& method, const std::string& target, int status,
                              const std::string& type, const std::string& body) {
+    const bool text = type.find("json") != std::string::npos;
+    record_exchange({{"method", method},
+                     {"target", target},
+                     {"status", status},
+                     {"type", type},
+                     {"body", text           ? body
+                              : body.empty() ? ""
+                                             : "bytes"}});
     static const OpenApiCheck api;
     for (const std::string& problem : api.problems(method, target, status, type, body)) {
         ADD_FAILURE() << problem;

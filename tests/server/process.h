@@ -58,6 +58,7 @@ class Process {
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
+    pid_t pid() const { return pid_; }
     void signal(int number) const { ::kill(pid_, number); }
     /// The exit code; -1 where a signal ended it; no value where it still runs after that time.
     std::optional<int> wait(std::chrono::milliseconds time = std::chrono::seconds(60)) {

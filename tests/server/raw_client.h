@@ -20,13 +20,21 @@ namespace probebake::test {
 
 class RawClient {
   public:
-    explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_port = htons(static_cast<uint16_t>(port));
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    /// From 127.0.0.`from` to 127.0.0.1.
+    explicit RawClient(int port, uint32_t from = 1)
+        : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        const auto loopback = [](uint32_t last, int port_there) {
+            sockaddr_in address{};
+            address.sin_family = AF_INET;
+            address.sin_port = htons(static_cast<uint16_t>(port_there));
+            address.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + last);
+            return address;
+        };
+        const sockaddr_in here = loopback(from, 0);
+        if (from != 1) ::bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof(here));
+        const sockaddr_in there = loopback(1, port);
         connected_ =
-            ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+            ::connect(socket_, reinterpret_cast<const sockaddr*>(&there), sizeof(there)) == 0;
     }
     ~RawClient() {
         if (socket_ >= 0) ::close(socket_);

@@ -1,5 +1,9 @@
 // The real binary: serve and its clients, as a user runs them.
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <array>
 
 #include "io/json.h"
 #include "net_jobs.h"
@@ -19,6 +23,24 @@ struct Ran {
     std::string out;
     std::string err;
 };
+
+/// What comes back for these bytes over a unix socket; nothing where nobody listens.
+std::string unix_exchange(const std::string& path, const std::string& bytes) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+    const int client = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    std::string text;
+    if (::connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 &&
+        ::send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL) > 0) {
+        std::array<char, 4096> buffer{};
+        for (ssize_t n = 0; (n = ::recv(client, buffer.data(), buffer.size(), 0)) > 0;) {
+            text.append(buffer.data(), static_cast<size_t>(n));
+        }
+    }
+    ::close(client);
+    return text;
+}
 
 class ServeTest : public testing::Test {
   protected:
@@ -108,6 +130,42 @@ TEST_F(ServeTest, ClientsGoAllTheWay) {
     EXPECT_EQ(again.at("kept"), 1);
     EXPECT_EQ(again.at("complete"), true);
     EXPECT_EQ(test::read_text(path("out/p1/albedo/cube.exr")), good);
+}
+
+TEST_F(ServeTest, AUnixSocketIsEnough) {
+    const std::vector<std::string> args = {"serve",        "--socket",   path("s"),
+                                           "--data",       path("data"), "--scenes",
+                                           path("scenes"), "--threads",  "2"};
+    write_text(path("s.txt"), "no socket");
+    Process service(folder_.path() / "service", args);
+    for (int i = 0; i < 6000 && !fs::exists(path("s")); ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_EQ(fs::status(path("s")).permissions() & fs::perms::others_all, fs::perms::none);
+    EXPECT_EQ(
+        unix_exchange(path("s"), "GET /healthz HTTP/1.0\r\nHost: localhost\r\n\r\n").substr(0, 15),
+        "HTTP/1.1 200 OK");
+    // A second one with data of its own does not take the socket away.
+    std::vector<std::string> second = args;
+    second[4] = path("other");
+    const Ran refused = run(second);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_NE(refused.err.find("another service does"), std::string::npos) << refused.err;
+    second[2] = path("s.txt");
+    EXPECT_EQ(run(second).code, 1) << "a file is not replaced";
+    EXPECT_EQ(test::read_text(path("s.txt")), "no socket");
+    // What a killed one leaves is replaced; one that ends removes it.
+    service.signal(SIGKILL);
+    service.wait();
+    EXPECT_TRUE(fs::exists(path("s")));
+    Process next(folder_.path() / "next", args);
+    std::string answer;
+    for (int i = 0; i < 600 && answer.empty(); ++i) {
+        answer = unix_exchange(path("s"), "GET /healthz HTTP/1.0\r\nHost: localhost\r\n\r\n");
+        std::this_thread::sleep_for(50ms);
+    }
+    EXPECT_FALSE(answer.empty());
+    next.signal(SIGTERM);
+    EXPECT_EQ(next.wait(), 0);
+    EXPECT_FALSE(fs::exists(path("s")));
 }
 
 TEST_F(ServeTest, ClientsSayWhatWentWrong) {
@@ -238,6 +296,7 @@ TEST_F(ServeTest, EveryOptionOfTheExampleIsOne) {
     // Here, and not where the example says.
     for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
              {"port = 8080", "port = 0"},
+             {"socket = \"probebake.sock\"\n", ""},  // excludes a port
              {"probebake-data", path("data")},
              {"\"configs/scenes\"", "\"" + path("scenes") + "\""},
              {"probebake-cache", path("cache")},

@@ -1,0 +1,51 @@
+// probebake import-scene SCENE.json: the process in which the service has files of other programs
+// imported (engine/scene_import.h).
+#include <iostream>
+#include <memory>
+
+#include "commands/commands.h"
+#include "engine/scene_import.h"
+
+namespace probebake {
+namespace {
+
+struct ImportOptions {
+    std::filesystem::path scene;
+    std::filesystem::path cache;
+    uint64_t memory_mib = 8192;
+    int64_t seconds = 600;
+};
+
+/// Without the program's name in front: the reason becomes a job's.
+int run_import(const ImportOptions& options) {
+    try {
+        limit_this_process({.memory_bytes = options.memory_mib << 20,
+                            .time = std::chrono::seconds(options.seconds)});
+        import_scene(read_scene_file(options.scene), options.cache);
+        return 0;
+    } catch (const std::bad_alloc&) {
+        std::cerr << "its import needs more memory than it may\n";
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << '\n';
+    }
+    return 1;
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app, CommandWork& work) {
+    auto* command =
+        app.add_subcommand("import-scene", "Put a scene's tree into a cache, within limits");
+    const auto options = std::make_shared<ImportOptions>();
+    command->add_option("scene", options->scene, "Scene file")->required();
+    command->add_option("--cache", options->cache, "Folder of the cache")->required();
+    command->add_option("--memory-mib", options->memory_mib, "Address space, MiB")
+        ->check(CLI::Range(1, 1 << 30))
+        ->capture_default_str();
+    command->add_option("--seconds", options->seconds, "Time")
+        ->check(CLI::Range(1, 1 << 30))
+        ->capture_default_str();
+    command->callback([options, &work] { work = [options] { return run_import(*options); }; });
+}
+
+}  // namespace probebake

@@ -1,0 +1,135 @@
+// Scenes of other programs' files are imported by a process of its own, and what it dies of is
+// told.
+#include "engine/scene_import.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <thread>
+
+#include "engine/scene_cache.h"
+#include "io/file.h"
+#include "running_service.h"
+#include "scene/vox_seeds.h"
+
+namespace probebake {
+namespace {
+
+using namespace std::chrono_literals;
+
+class SceneImportTest : public testing::Test {
+  protected:
+    std::filesystem::path path(const std::string& name) const { return folder_.path() / name; }
+
+    SceneFile scene(const test::Bytes& vox) const {
+        write_file_atomically(path("model.vox"), vox);
+        test::write_text(path("model.json"),
+                         R"({"type": "vox", "file": "model.vox", "voxel_size_m": 0.5})");
+        return read_scene_file(path("model.json"));
+    }
+    /// A program in the importer's place.
+    ImportProcess process(const std::string& script = {}) const {
+        ImportProcess process{.program = PROBEBAKE_BINARY, .scratch = path("scratch")};
+        if (script.empty()) return process;
+        process.program = path("program");
+        test::write_text(process.program, "#!/bin/sh\n" + script + "\n");
+        ::chmod(process.program.c_str(), 0755);
+        return process;
+    }
+    std::string refusal(const SceneFile& file, const ImportProcess& with) {
+        try {
+            import_in_process(with, file, path("cache"), cancel_);
+        } catch (const IoError& error) {
+            return error.what();
+        }
+        return "";
+    }
+
+    test::TempFolder folder_;
+    RenderPool pool_{2};
+    CancelToken cancel_;
+};
+
+TEST_F(SceneImportTest, GivesTheSceneThatThisProcessWouldMake) {
+    const SceneFile file = scene(test::every_chunk().file());
+    SceneCache::Options options;
+    options.importer = process();
+    SceneCache cache(pool_, options);
+    const auto imported = cache.get(file, cancel_);
+    const Scene own = load_scene(file);
+    EXPECT_EQ(imported->sha256, own.sha256);
+    EXPECT_EQ(imported->tree.voxel_count(), own.tree.voxel_count());
+    EXPECT_EQ(imported->corner_m, own.corner_m);
+    EXPECT_EQ(imported->warnings, own.warnings);
+    EXPECT_TRUE(std::filesystem::is_empty(path("scratch"))) << "a tree is left over";
+}
+
+TEST_F(SceneImportTest, AHostileFileKillsAtMostTheChild) {
+    test::Bytes cut = test::every_chunk().file();
+    cut.resize(cut.size() / 2);
+    const SceneFile file = scene(cut);
+    EXPECT_NE(refusal(file, process()).find("model.vox"), std::string::npos)
+        << refusal(file, process());
+    EXPECT_EQ(refusal(file, process("kill -SEGV $$")), "model: its import crashed (signal 11)");
+    EXPECT_EQ(refusal(file, process("kill -KILL $$")), "model: its import crashed (signal 9)");
+    EXPECT_EQ(refusal(file, process("printf 'bad\\033[1m file\\n' >&2; exit 3")),
+              "model: bad [1m file");
+    EXPECT_EQ(refusal(file, process("exit 1")), "model: its import failed");
+    // More than the pipe holds must not make it wait for us.
+    EXPECT_EQ(refusal(file, process("head -c 1000000 /dev/zero | tr '\\0' x >&2; exit 1")).size(),
+              7U + 1000U);
+}
+
+TEST_F(SceneImportTest, MemoryAndTimeAreLimited) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
+#endif
+    const SceneFile file = scene(test::every_chunk().file());
+    ImportProcess small = process();
+    small.limits.memory_bytes = uint64_t{64} << 20;  // not enough for the threads' stacks
+    EXPECT_NE(refusal(file, small), "");
+    ImportProcess slow = process("sleep 60");
+    slow.limits.time = 1s;
+    EXPECT_LT(test::seconds_of([&] {
+                  EXPECT_EQ(refusal(file, slow), "model: its import took more time than it may");
+              }),
+              20.0);
+}
+
+TEST_F(SceneImportTest, ItHasNoFileOfTheService) {
+    const SceneFile file = scene(test::every_chunk().file());
+    // Standard input, output and error, and the folder that is being listed.
+    EXPECT_EQ(refusal(file, process("ls /proc/self/fd | wc -l >&2; exit 1")), "model: 4");
+}
+
+TEST_F(SceneImportTest, ACancelledImportEndsAtOnce) {
+    const SceneFile file = scene(test::every_chunk().file());
+    std::jthread canceller([&] {
+        std::this_thread::sleep_for(200ms);
+        cancel_.cancel();
+    });
+    EXPECT_LT(test::seconds_of([&] {
+                  EXPECT_THROW(import_in_process(process("sleep 60"), file, path("cache"), cancel_),
+                               Cancelled);
+              }),
+              10.0);
+}
+
+TEST_F(SceneImportTest, TheJobFailsWithTheReasonAndTheServiceGoesOn) {
+    test::RunningService service(
+        [&](ServiceOptions& options) { options.cache.importer = process("kill -SEGV $$"); });
+    const std::filesystem::path scenes = service.options().scenes;
+    write_file_atomically(scenes / "model.vox", test::every_chunk().file());
+    test::write_text(scenes / "model.json",
+                     R"({"type": "vox", "file": "model.vox", "voxel_size_m": 0.5})");
+    Json request = test::net_request(1);
+    request["scene"] = "model";
+    const Json bake = service.wait_until_ended(service.submit(request));
+    EXPECT_EQ(bake.at("state"), "FAILED");
+    EXPECT_EQ(bake.at("error").at("type"), "urn:probebake:scene");
+    EXPECT_EQ(bake.at("error").at("detail"), "model: its import crashed (signal 11)");
+    service.bake(test::net_request(1));
+}
+
+}  // namespace
+}  // namespace probebake

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bake/probe_view.h"
-#include "io/file.h"
+#include "io/file_beneath.h"
 #include "io/sha256.h"
 #include "light/light_memory.h"
 #include "light/sky_file.h"
@@ -30,7 +30,8 @@ Sky make_sky(const Scene& scene, const JobSpec& job, size_t index, StateLight& o
     }
     const SkyFileSpec& file = *picture_of(state);
     try {
-        const std::vector<std::byte> bytes = read_file(scene.folder / file.file, kMaxSkyFileBytes);
+        const std::vector<std::byte> bytes =
+            read_file_beneath(scene.folder / file.file, kMaxSkyFileBytes);
         out.sky_sha256 = sha256_hex(bytes);
         return Sky(SkyPicture{decode_sky(bytes, file.file), file.scale, file.rotation_deg});
     } catch (const IoError& error) {

@@ -1,12 +1,16 @@
 #include "io/file.h"
 
 #include <fcntl.h>
+#include <linux/openat2.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+
+#include "io/file_beneath.h"
 
 namespace probebake {
 namespace {
@@ -29,10 +33,8 @@ class Descriptor {
     int fd_;
 };
 
-}  // namespace
-
-std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t max_bytes) {
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+std::vector<std::byte> read_whole(const Descriptor& file, const std::filesystem::path& path,
+                                  uint64_t max_bytes) {
     if (file.get() < 0) fail(path, "cannot be opened");
     struct stat info {};
     if (::fstat(file.get(), &info) != 0) fail(path, "cannot be examined");
@@ -54,6 +56,24 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t max
         done += static_cast<size_t>(n);
     }
     return bytes;
+}
+
+}  // namespace
+
+std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t max_bytes) {
+    return read_whole(Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)), path, max_bytes);
+}
+
+std::vector<std::byte> read_file_beneath(const std::filesystem::path& path, uint64_t max_bytes) {
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    const Descriptor root(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (root.get() < 0) fail(folder, "cannot be opened");
+    open_how how{};
+    how.flags = O_RDONLY | O_CLOEXEC;
+    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
+    const long file =
+        ::syscall(SYS_openat2, root.get(), path.filename().c_str(), &how, sizeof(how));
+    return read_whole(Descriptor(static_cast<int>(file)), path, max_bytes);
 }
 
 void write_file_atomically(const std::filesystem::path& path,

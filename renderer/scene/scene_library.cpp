@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "io/file.h"
+#include "io/file_beneath.h"
 #include "io/json.h"
 #include "io/sha256.h"
 #include "scene/heightmap/heightmap_import.h"
@@ -53,10 +53,11 @@ HeightmapFiles read_heightmap(ObjectReader& reader, const std::filesystem::path&
 
 VoxelCloud import_heightmap_files(const HeightmapFiles& files, double voxel_size_m) {
     const std::string name = files.heights.filename().string();
-    const GreyPicture heights = read_grey_png(read_file(files.heights), name);
+    const GreyPicture heights = read_grey_png(read_file_beneath(files.heights), name);
     std::optional<ColorPicture> colors;
     if (files.colors) {
-        colors = read_color_picture(read_file(*files.colors), files.colors->filename().string());
+        colors =
+            read_color_picture(read_file_beneath(*files.colors), files.colors->filename().string());
     }
     return import_heightmap(heights, colors,
                             {.height_scale_m = files.height_scale_m, .voxel_size_m = voxel_size_m},
@@ -79,7 +80,7 @@ World make_world(const SceneFile& file, SceneLoadStats& stats) {
     } else if (file.heightmap) {
         cloud = import_heightmap_files(*file.heightmap, file.voxel_size_m);
     } else {
-        VoxImport import = import_vox(read_file(*file.vox), file.vox->filename().string());
+        VoxImport import = import_vox(read_file_beneath(*file.vox), file.vox->filename().string());
         cloud = std::move(import.cloud);
         world.lowest = import.lowest;
         world.warnings = std::move(import.warnings);
@@ -141,7 +142,7 @@ bool is_file_name(const std::string& text) {
 }
 
 SceneFile read_scene_file(const std::filesystem::path& path) {
-    const std::vector<std::byte> bytes = read_file(path, kMaxSceneFileBytes);
+    const std::vector<std::byte> bytes = read_file_beneath(path, kMaxSceneFileBytes);
     SceneFile file;
     file.name = path.stem().string();
     file.folder = path.parent_path();
@@ -180,10 +181,10 @@ std::string content_sha256(const SceneFile& file) {
     Sha256 sha;
     sha.update(kImportVersion);
     sha.update(file.text);
-    if (file.vox) sha.update(read_file(*file.vox));
+    if (file.vox) sha.update(read_file_beneath(*file.vox));
     if (file.heightmap) {
-        sha.update(read_file(file.heightmap->heights));
-        if (file.heightmap->colors) sha.update(read_file(*file.heightmap->colors));
+        sha.update(read_file_beneath(file.heightmap->heights));
+        if (file.heightmap->colors) sha.update(read_file_beneath(*file.heightmap->colors));
     }
     return sha.hex();
 }

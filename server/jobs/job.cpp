@@ -5,7 +5,7 @@
 #include <ctime>
 #include <variant>
 
-#include "io/file.h"
+#include "io/file_beneath.h"
 #include "io/sha256.h"
 
 namespace probebake {
@@ -32,7 +32,7 @@ std::string pinned_sha256(const SceneFile& scene, const JobSpec& spec) {
         if (picture == nullptr) continue;
         constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
         try {
-            digests += sha256_hex(read_file(scene.folder / picture->file, kMaxBytes));
+            digests += sha256_hex(read_file_beneath(scene.folder / picture->file, kMaxBytes));
         } catch (const IoError&) {  // the plan refuses it, with a pointer to it
             digests += "unreadable";
         }

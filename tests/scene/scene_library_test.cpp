@@ -58,6 +58,21 @@ TEST_F(SceneLibraryTest, ListsAndFindsByNameOnly) {
     EXPECT_THROW(SceneLibrary(folder_ / "nowhere"), IoError);
 }
 
+TEST_F(SceneLibraryTest, NothingLeadsOutOfItsFolder) {
+    namespace fs = std::filesystem;
+    const fs::path outside = folder_.string() + "-outside";
+    fs::create_directories(outside);
+    write_file_atomically(outside / "ball.json", std::string(kSphere));
+    write_file_atomically(outside / "m.vox", std::string("VOX "));
+    fs::create_symlink(outside / "ball.json", folder_ / "ball.json");
+    fs::create_symlink(outside / "m.vox", folder_ / "m.vox");
+    write("m.json", R"({"type": "vox", "file": "m.vox", "voxel_size_m": 1})");
+    EXPECT_THROW(SceneLibrary(folder_).find("ball"), IoError);
+    EXPECT_THROW(content_sha256(read_scene_file(folder_ / "m.json")), IoError);
+    EXPECT_THROW(load_scene(read_scene_file(folder_ / "m.json")), IoError);
+    fs::remove_all(outside);
+}
+
 TEST_F(SceneLibraryTest, AGeneratedSceneStandsAtItsOrigin) {
     write("ball.json", kSphere);
     const Scene scene = load_scene(read_scene_file(folder_ / "ball.json"));

@@ -4,6 +4,7 @@
 
 #include "bake/ddgi.h"
 #include "bake/job_names.h"
+#include "bake/job_size.h"
 #include "bake/state_light.h"
 #include "image/cubemap.h"
 #include "image/sphere_filter.h"
@@ -70,6 +71,28 @@ uint64_t bytes_per_texel(const Products& products) {
 
 }  // namespace
 
+JobSize size_of_job(const JobSpec& job) {
+    JobSize size;
+    int largest = 0;
+    for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
+    const uint64_t unit_texels =
+        6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
+    // The render (twice while faces become a cube), the values as written, and the encoded files.
+    size.unit_bytes =
+        unit_texels *
+        (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
+         (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
+    if (job.products.specular || job.products.ddgi) {
+        size.unit_bytes += SphereFilter::memory_bytes(largest);
+    }
+    if (job.products.specular) size.unit_bytes += unit_texels * sizeof(Rgb);
+    if (job.products.ddgi) size.unit_bytes += unit_texels * sizeof(Rgb);
+    const uint64_t units = job.probes.size() * job.states.size();
+    size.output_bytes = texel_count(job) * bytes_per_texel(job.products) + units * 16384;
+    if (job.products.ddgi) size.output_bytes += units * kDdgiBytesPerProbe;
+    return size;
+}
+
 Plan make_plan(const Scene& scene, const JobSpec& job) {
     Plan plan;
     plan.leaf_rays_only = wants_leaf_rays_only(job);
@@ -95,22 +118,9 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     for (size_t i = 0; i < job.states.size(); ++i) check_sky_file(scene, job, i);
     plan.light_bytes = expected_light_bytes(scene, job);
 
-    int largest = 0;
-    for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
-    const uint64_t unit_texels =
-        6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
-    // The render (twice while faces become a cube), the values as written, and the encoded files.
-    plan.bytes_per_unit =
-        unit_texels *
-        (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
-         (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
-    if (job.products.specular || job.products.ddgi) {
-        plan.bytes_per_unit += SphereFilter::memory_bytes(largest);
-    }
-    if (job.products.specular) plan.bytes_per_unit += unit_texels * sizeof(Rgb);
-    if (job.products.ddgi) plan.bytes_per_unit += unit_texels * sizeof(Rgb);
-    plan.output_bytes = plan.texels * bytes_per_texel(job.products) + plan.work_units * 16384;
-    if (job.products.ddgi) plan.output_bytes += plan.work_units * kDdgiBytesPerProbe;
+    const JobSize size = size_of_job(job);
+    plan.bytes_per_unit = size.unit_bytes;
+    plan.output_bytes = size.output_bytes;
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;

@@ -1,9 +1,12 @@
 #include "jobs/job_manager.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
 
+#include "bake/job_size.h"
 #include "io/io_error.h"
 
 namespace probebake {
@@ -21,6 +24,24 @@ double seconds_since(SteadyClock::time_point start) {
 
 UnixMs milliseconds(std::chrono::seconds time) {
     return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+}
+
+/// Refuses what the machine cannot hold, before anything is promised.
+void check_size(const JobSpec& job, const DataFolder& data) {
+    const JobSize size = size_of_job(job);
+    const uint64_t memory_bytes = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                                  static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+    if (size.unit_bytes > memory_bytes) {
+        throw SpecError(SpecError::Kind::kUnacceptable, "/face_size_px",
+                        "the largest cubemap takes " + std::to_string(size.unit_bytes) +
+                            " bytes of memory, of which there are " + std::to_string(memory_bytes));
+    }
+    const uint64_t free_bytes = data.free_bytes();
+    if (size.output_bytes > free_bytes) {
+        throw ServiceBusy("disk-full", "the files may take " + std::to_string(size.output_bytes) +
+                                           " bytes, of which " + std::to_string(free_bytes) +
+                                           " are free");
+    }
 }
 
 }  // namespace
@@ -101,6 +122,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
     tables::Inserted inserted;
     try {
         if (!store_.has_room()) throw ServiceBusy("disk-full", "the disk is full");
+        check_size(request.spec, store_.data());
         inserted = store_.insert(stored);
     } catch (...) {
         const std::lock_guard lock(mutex_);

@@ -128,10 +128,13 @@ class ServiceProcess {
         const int port = any.bind_to_any_port("127.0.0.1");
         any.stop();
         std::string conf = read_text(std::string(PROBEBAKE_SOURCE_DIR) + "/configs/nginx.conf");
-        const std::string listen = "listen 127.0.0.1:8080";
-        for (size_t at = 0; (at = conf.find(listen, at)) != std::string::npos; at += 1) {
-            conf.replace(at, listen.size(), "listen 127.0.0.1:" + std::to_string(port));
-        }
+        const auto replace = [&](const std::string& from, const std::string& to) {
+            for (size_t at = 0; (at = conf.find(from, at)) != std::string::npos; at += to.size()) {
+                conf.replace(at, from.size(), to);
+            }
+        };
+        replace("listen 127.0.0.1:8080", "listen 127.0.0.1:" + std::to_string(port));
+        replace("unix:probebake.sock", "unix:" + path("probebake.sock"));
         write_text(path("nginx.conf"), conf);
         std::filesystem::create_directories(path("nginx"));
         const std::string user = ::geteuid() == 0 ? " user root;" : "";

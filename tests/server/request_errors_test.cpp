@@ -1,6 +1,7 @@
 // What a client may get wrong, and what it is told.
 #include <gtest/gtest.h>
 
+#include "bake/job_size.h"
 #include "running_service.h"
 
 namespace probebake {
@@ -156,6 +157,21 @@ TEST(RequestErrors, ABodyIsJson) {
     EXPECT_EQ(service.post("/v1/bakes").status, 400);
     const std::string id = service.submit(test::net_request(1));
     EXPECT_EQ(service.post("/v1/bakes/" + id + ":cancel", std::string("{}")).status, 400);
+}
+
+TEST(RequestErrors, WhatTheDiskCannotHoldIsRefused) {
+    const RunningService service;
+    Json request = test::net_request(40, 4096);
+    request["products"] = {"cube", "aux", "latlong", "gl_faces", "specular"};
+    const JobSize size = size_of_job(read_job(request));
+    EXPECT_GT(size.output_bytes, uint64_t{200} << 30);
+    if (std::filesystem::space(service.options().data).available > size.output_bytes) {
+        GTEST_SKIP() << "a disk of more than 200 GiB";
+    }
+    const Answer answer = service.post("/v1/bakes", request);
+    // Where the machine has less memory than such a cubemap takes, that is said.
+    EXPECT_TRUE(answer.status == 503 || answer.status == 422) << answer.body;
+    EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 0U);
 }
 
 }  // namespace

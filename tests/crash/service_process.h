@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
 
 #include <filesystem>
 #include <fstream>
@@ -45,9 +46,10 @@ class ServiceProcess {
         service_.emplace(folder_ / "service", args, Process::Program{PROBEBAKE_BINARY, {}});
         wait_for(path(behind_proxy ? "probebake.sock" : "port"));
         port_ = behind_proxy ? start_proxy() : std::stoi(read_text(path("port")));
-        for (int i = 0; i < 1000 && get("/healthz").first != 200; ++i) {
+        for (int i = 0; i < 500 && get("/healthz").first != 200; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
+        EXPECT_EQ(get("/healthz").first, 200) << service_->err() << (proxy_ ? proxy_->err() : "");
     }
 
     int port() const { return port_; }
@@ -103,7 +105,8 @@ class ServiceProcess {
         const auto [status, body] = get("/v1/bakes/" + id + "/probes?page_size=100");
         EXPECT_EQ(status, 200);
         if (status != 200) return found;
-        for (const Json& row : parse_json(body).at("rows")) {
+        const Json page = parse_json(body);
+        for (const Json& row : page.at("rows")) {
             for (const Json& file : row.at("files")) {
                 found[row.at("probe").get<std::string>() + "/" +
                       row.at("state").get<std::string>() + "/" +
@@ -123,10 +126,22 @@ class ServiceProcess {
         }
     }
 
+    /// Free at this moment.
+    static int free_port() {
+        const int any = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        auto* const at = reinterpret_cast<sockaddr*>(&address);
+        socklen_t size = sizeof(address);
+        EXPECT_EQ(::bind(any, at, size), 0);
+        EXPECT_EQ(::getsockname(any, at, &size), 0);
+        ::close(any);
+        return ntohs(address.sin_port);
+    }
+
     int start_proxy() {
-        httplib::Server any;  // picks a port that is free now
-        const int port = any.bind_to_any_port("127.0.0.1");
-        any.stop();
+        const int port = free_port();
         std::string conf = read_text(std::string(PROBEBAKE_SOURCE_DIR) + "/configs/nginx.conf");
         const auto replace = [&](const std::string& from, const std::string& to) {
             for (size_t at = 0; (at = conf.find(from, at)) != std::string::npos; at += to.size()) {

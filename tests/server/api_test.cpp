@@ -121,11 +121,13 @@ TEST(Api, AGridsAtlasesLieBesideItsProbes) {
         ASSERT_EQ(rows.size(), 3U);
         EXPECT_TRUE(rows[0].at("files").empty());
         EXPECT_EQ(rows[2].at("grid"), "g");
-        EXPECT_EQ(rows[2].at("files").at(0).at("name"), "ddgi-irradiance.exr");
-        const Answer file = service.get("/v1/bakes/" + id + "/probes/g/albedo/ddgi-irradiance.exr");
-        EXPECT_EQ(file.status, 200);
-        EXPECT_EQ(sha256_hex(std::as_bytes(std::span(file.body))),
-                  rows[2].at("files").at(0).at("sha256"));
+        ASSERT_EQ(rows[2].at("files").size(), 2U);
+        for (const Json& told : rows[2].at("files")) {
+            const Answer file = service.get("/v1/bakes/" + id + "/probes/g/albedo/" +
+                                            told.at("name").get<std::string>());
+            EXPECT_EQ(file.status, 200);
+            EXPECT_EQ(sha256_hex(std::as_bytes(std::span(file.body))), told.at("sha256"));
+        }
     }
 }
 

@@ -246,13 +246,13 @@ void allow_many_files() {
 }
 
 Json request_of_bake() {
-    Json request = test::costly_request(30, 16);
-    request["quality"]["settings"]["leaf_grid"] = 8;
+    Json request = test::costly_request(30, 8);
+    request["quality"]["settings"]["leaf_grid"] = 4;
     return request;
 }
 
 void fight(bool behind_proxy) {
-    const int seconds = test::form("PROBEBAKE_ATTACK_SECONDS", 4);
+    const int seconds = test::form("PROBEBAKE_ATTACK_SECONDS", 3);
     allow_many_files();
     const test::TempFolder folder;
     test::ServiceProcess service(folder.path(), behind_proxy, {"--max-running", "2"});

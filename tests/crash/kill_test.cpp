@@ -196,7 +196,8 @@ TEST_F(KillTest, C1_NothingIsLostWhereverItIsKilled) {
 }
 
 TEST_F(KillTest, C1_AtlasesOfAKilledJobAreThoseOfAnUndisturbedOne) {
-    Json request = test::costly_request(1, 16);
+    Json request = test::costly_request(1, 8);
+    request["quality"]["settings"]["leaf_grid"] = 4;
     request["probes"] = test::grid_request(4, 2, 2)["probes"];
     request["products"] = {"sh", "ddgi"};
     start();

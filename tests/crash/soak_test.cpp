@@ -69,7 +69,7 @@ uint64_t work(const test::ServiceProcess& service, uint64_t seed, const std::sto
 }
 
 TEST(Soak, C13_MemoryAndFilesStayAsTheyAre) {
-    const int seconds = test::form("PROBEBAKE_SOAK_SECONDS", 8);
+    const int seconds = test::form("PROBEBAKE_SOAK_SECONDS", 6);
     const test::TempFolder folder;
     test::ServiceProcess service(folder.path(), false, {"--keep-jobs", "20"});
     std::atomic<uint64_t> jobs{0};

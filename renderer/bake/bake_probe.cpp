@@ -10,20 +10,28 @@
 #include "image/layouts.h"
 #include "image/ssim.h"
 #include "io/sha256.h"
+#include "render/hybrid.h"
+#include "render/hybrid_view.h"
 
 namespace probebake {
 namespace {
 
-constexpr int kMaxLooks = 4;
-constexpr int kMinAuditPixels = 64;
+constexpr size_t kProbesToLearnFrom = 16;
+constexpr int kMaxLooks = 6;
 /// Of a render's rays, what an audit of it may cast.
-constexpr double kDecisionShare = 0.02;
-constexpr double kCertificateShare = 0.08;
-/// Irradiance can only be decided on by a look that sees nearly as sharply as the certificate.
-constexpr double kIrradianceDecisionShare = 0.04;
+constexpr double kAuditShare = 0.08;
+constexpr int kLeastAuditPixels = 24;
+constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kMinAuditWindows = 16;
 constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
+
+/// Prices are lowered by this factor until a probe's prediction meets its goal.
+constexpr double kPriceStep = 0.9;
+/// A probe that missed aims at a little less than what the bound says, within these factors.
+constexpr double kNextAim = 0.97;
+constexpr double kSmallestStep = 0.25;
+constexpr double kLargestStep = 0.95;
 
 class Unit {
   public:
@@ -45,8 +53,11 @@ class Unit {
         result_.state = pilot_.state.spec;
         result_.far_m = effective_far_m(scene_, probe_);
         result_.inside_voxel = scene_.inside_voxel(probe_.position_m);
-        render_until_good();
-        if (job_.quality.evidence.audit) result_.certificate = audit(kCertificate);
+        if (steered()) {
+            refine_until_good();
+        } else {
+            render_until_good();
+        }
         encode();
         result_.wall_seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -54,20 +65,99 @@ class Unit {
     }
 
   private:
-    /// Keys of audits: decisions are numbered from 1.
-    static constexpr uint64_t kCertificate = 0;
+    bool audits() const { return job_.quality.evidence.audit; }
 
+    bool steered() const {
+        return !params_.out_of_time && !ray_limit(job_, probe_) && first_goal().has_value();
+    }
+
+    /// The prediction at which every target that has to be met is expected to be.
+    std::optional<double> first_goal() const {
+        std::optional<double> goal;
+        for (const std::optional<Steering>& target : pilot_.steering) {
+            if (!target) continue;
+            const bool all = job_.quality.require == Require::kAll;
+            goal = !goal ? target->goal
+                         : (all ? std::min(*goal, target->goal) : std::max(*goal, target->goal));
+        }
+        return goal;
+    }
+
+    /// One cubemap, refined further until its bound meets the target.
+    void refine_until_good() {
+        HybridCubemap cubemap(render_scene_, origin_, probe_.face_size_px, cancel_);
+        const std::vector<double> weights = weights_of_owned_pixels();
+        double goal = *first_goal();
+        double price = cubemap.largest_gain();
+        const double lowest = price * 0x1.0p-60;
+        for (;;) {
+            double predicted = cubemap.predicted_sum(weights);
+            while (predicted > goal && price > lowest) {
+                price *= kPriceStep;
+                cubemap.refine_to(price);
+                predicted = cubemap.predicted_sum(weights);
+            }
+            const bool finest = price <= lowest;
+            if (finest) cubemap.refine_to(price = 0.0);
+            result_.settings = hybrid_at(price);
+            take(cubemap.render());
+            if (!audits()) return;
+            look();
+            if (result_.target_met || finest || result_.looks == kMaxLooks) return;
+            goal = predicted * next_step();
+            ++result_.looks;
+        }
+    }
+
+    /// Of the weights that pixels' predicted errors have in the metric's mean.
+    std::vector<double> weights_of_owned_pixels() const {
+        const int n = probe_.face_size_px;
+        const size_t count = 6 * static_cast<size_t>(n) * static_cast<size_t>(n);
+        std::vector<double> weights(count);
+        const double unit = 1.0 / (static_cast<double>(count) * pilot_.exposure * pilot_.exposure);
+        for (size_t i = 0; i < count; ++i) {
+            const CubePixel pixel = pixel_at(i, n);
+            weights[cube_index(owner_of(pixel, n), n)] +=
+                unit * pixel_weight(job_.quality.weighting, pixel, n);
+        }
+        return weights;
+    }
+
+    /// By how much the prediction has to fall for the bound to meet the target.
+    double next_step() const {
+        const bool all = job_.quality.require == Require::kAll;
+        std::optional<double> step;
+        for (size_t t = 0; t < job_.quality.targets.size(); ++t) {
+            const QualityTarget& target = job_.quality.targets[t];
+            const std::optional<double> bound = upper_bound(t);
+            if (!bound) continue;
+            const double its = kNextAim * *largest_size(target) / *bound;
+            step = !step ? its : (all ? std::min(*step, its) : std::max(*step, its));
+        }
+        return std::clamp(step.value_or(kSmallestStep), kSmallestStep, kLargestStep);
+    }
+
+    /// The lower of both upper bounds of a target's error.
+    std::optional<double> upper_bound(size_t t) const {
+        const auto size =
+            error_size(job_.quality.targets[t].metric, result_.certificate.error);
+        if (!size) return std::nullopt;
+        const double own = size->interval(result_.confidence).high;
+        return result_.pooled[t] ? std::min(own, result_.pooled[t]->interval.high) : own;
+    }
+
+    /// Renders by other renderers, one finer than the other.
     void render_until_good() {
         result_.settings = pilot_.settings;
         if (params_.out_of_time) result_.settings = {.kind = RendererKind::kLod};
         size_t next = 0;
         for (;;) {
-            render();
-            if (params_.out_of_time || !may_look_again(next)) return;
-            const Audit look = audit(static_cast<uint64_t>(result_.looks));
-            result_.decision_cost += look.cost;
-            if (bound_meets(job_.quality.target, look.error, kLookConfidence)) return;
-            next = next_finer(next, look.error);
+            take(render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
+                                cancel_, ray_limit(job_, probe_)));
+            if (!audits()) return;
+            look();
+            if (result_.target_met || !may_look_again(next)) return;
+            next = next_finer(next, result_.certificate.error);
             result_.earlier_renders += render_.total();
             render_mse_ = pilot_.finer[next].mse;
             result_.settings = pilot_.finer[next++].settings;
@@ -76,63 +166,116 @@ class Unit {
     }
 
     bool may_look_again(size_t next) const {
-        return job_.quality.evidence.audit && !render_.limited &&
+        return !params_.out_of_time && !render_.limited &&
                pilot_.expectation == Expectation::kTargetMet &&
-               job_.quality.target.metric != QualityTarget::Metric::kRays &&
+               !only_target(job_.quality, QualityTarget::Metric::kRays) &&
                result_.looks < kMaxLooks && next < pilot_.finer.size();
-    }
-
-    /// The far end of a look's interval, squared.
-    double far_square(const MeasuredError& found) const {
-        if (!irradiance_target()) return found.mse.interval(kLookConfidence).high;
-        const double high = found.irradiance->interval(kLookConfidence).high;
-        return high * high;
-    }
-
-    bool irradiance_target() const {
-        return job_.quality.target.metric == QualityTarget::Metric::kIrradianceRel;
     }
 
     /// The first finer candidate that promises to make up for what the look found missing.
     size_t next_finer(size_t next, const MeasuredError& found) const {
-        if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
-        const double wanted = render_mse_ * largest_square(job_.quality.target) / far_square(found);
+        const QualityTarget& target = job_.quality.targets.front();
+        double allowed = 0.0;
+        double high = 0.0;
+        if (target.metric == QualityTarget::Metric::kIrradianceRel) {
+            const double bound = found.irradiance->interval(result_.confidence).high;
+            allowed = largest_square(target);
+            high = bound * bound;
+        } else if (const auto size = error_size(target.metric, found);
+                   size && target.metric != QualityTarget::Metric::kSsim) {
+            allowed = *largest_size(target);
+            high = size->interval(result_.confidence).high;
+        } else {
+            return next;
+        }
+        const double wanted = render_mse_ * allowed / high;
         while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > wanted) {
             ++next;
         }
         return next;
     }
 
-    void render() {
-        render_ = render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
-                                 cancel_, ray_limit(job_, probe_));
+    void take(CubemapRender render) {
+        render_ = std::move(render);
         as_written_ = rounded_to_file(render_.color);
     }
 
+    /// Audits what there is on fresh pixels and judges it.
+    void look() {
+        result_.decision_cost += result_.certificate.cost;
+        result_.certificate = audit(static_cast<uint64_t>(result_.looks));
+        const double doubt = 1.0 - job_.quality.evidence.confidence;
+        result_.confidence = 1.0 - std::ldexp(doubt, 1 - result_.looks);
+        const MeasuredError& error = result_.certificate.error;
+        const std::vector<QualityTarget>& targets = job_.quality.targets;
+        result_.pooled.assign(targets.size(), std::nullopt);
+        std::vector<bool> met;
+        for (size_t t = 0; t < targets.size(); ++t) {
+            const std::optional<AuditedRatio> ratio = audited_ratio(targets[t]);
+            if (result_.looks == 1) result_.first_look.push_back(ratio);
+            bool pooled_meets = false;
+            if (ratio && pilot_.steering[t]) {
+                result_.pooled[t] =
+                    pooled_error(pilot_.steering[t]->prior, *ratio, result_.confidence);
+                const Interval own =
+                    error_size(targets[t].metric, error)->interval(result_.confidence);
+                const double allowed = *largest_size(targets[t]);
+                pooled_meets = result_.pooled[t]->interval.high <= allowed && own.low <= allowed;
+            }
+            met.push_back(pooled_meets || bound_meets(targets[t], error, result_.confidence));
+        }
+        const bool by_own = bound_meets(job_.quality, error, result_.confidence);
+        const auto is_met = [](bool one) { return one; };
+        result_.target_met = job_.quality.require == Require::kAll
+                                 ? std::all_of(met.begin(), met.end(), is_met)
+                                 : std::any_of(met.begin(), met.end(), is_met);
+        result_.evidence =
+            by_own || !result_.target_met ? EvidenceOf::kProbe : EvidenceOf::kJob;
+    }
+
+    /// What the last audit says beside the renderer's prediction; none without steering.
+    std::optional<AuditedRatio> audited_ratio(const QualityTarget& target) const {
+        const Audit& audit = result_.certificate;
+        const std::optional<Estimate> size = error_size(target.metric, audit.error);
+        if (!size || pilot_.steering.empty() || !(audit.predicted > 0.0)) return std::nullopt;
+        return AuditedRatio{.predicted = audit.predicted,
+                            .measured = size->value,
+                            .variance = size->variance,
+                            .draws = size->samples};
+    }
+
     Audit audit(uint64_t look) const {
-        const bool ssim = job_.quality.target.metric == QualityTarget::Metric::kSsim;
-        const double decision_share =
-            irradiance_target() ? kIrradianceDecisionShare : kDecisionShare;
-        const double share = look == kCertificate ? kCertificateShare : decision_share;
+        const bool ssim = has_target(job_.quality, QualityTarget::Metric::kSsim);
+        const bool irradiance = has_target(job_.quality, QualityTarget::Metric::kIrradianceRel);
         const int grid = wants_leaf_rays_only(job_)
                              ? irradiance_truth_grid(result_.settings.leaf_grid)
                              : pilot_.truth_grid;
-        const int pixels = audit_pixels(job_.quality, grid, probe_.face_size_px,
-                                        share * static_cast<double>(render_.total().all_rays()));
-        const AuditSpec spec{
+        const double rays = kAuditShare * static_cast<double>(render_.total().all_rays());
+        AuditSpec spec{
             .scene = render_scene_,
             .origin = origin_,
             .as_written = as_written_,
             .aux = render_.aux,
             .exposure = pilot_.exposure,
             .against = job_.quality.against,
-            .truth_grid = grid,
             .weighting = job_.quality.weighting,
-            .pixels = pixels,
-            .windows = ssim ? std::max(kMinAuditWindows, pixels / kWindowPixels) : 0,
-            .sh = irradiance_target() || job_.products.sh,
-            .drawn_for_sh = irradiance_target(),
+            .pixels = job_.quality.evidence.pixels_per_probe,
+            .rays = rays,
+            .least_pixels = kLeastAuditPixels,
+            .most_pixels = static_cast<int>(render_.aux.size()),
+            .windows = ssim ? std::max(kMinAuditWindows, static_cast<int>(rays) /
+                                                             (2 * grid * grid * kWindowPixels))
+                            : 0,
+            .window_grid = grid,
+            .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
+            .sh = irradiance || job_.products.sh,
+            .drawn_for_sh = only_target(job_.quality, QualityTarget::Metric::kIrradianceRel),
             .key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look})};
+        if (irradiance) {
+            spec.truth_grid = grid;
+            spec.pixels =
+                irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
+        }
         return audit_cubemap(spec, cancel_);
     }
 
@@ -158,7 +301,7 @@ class Unit {
     }
 
     void add_errors(ProbeAttributes& out) const {
-        const double confidence = job_.quality.evidence.confidence;
+        const double confidence = result_.confidence;
         const ErrorFigures figures = figures_of(result_.certificate.error.mse, confidence);
         out.texts["probe:err:against"] = name_of(job_.quality.against);
         out.numbers["probe:err:exposure"] = pilot_.exposure;
@@ -191,7 +334,7 @@ class Unit {
         if (job_.products.sh) {
             add_file("sh.json", encode_sh({.radiance = project_sh(as_written_),
                                            .audit = result_.certificate.sh,
-                                           .confidence = job_.quality.evidence.confidence,
+                                           .confidence = result_.confidence,
                                            .probe = attributes}));
         }
     }
@@ -247,8 +390,8 @@ ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilo
 
 std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
     std::optional<uint64_t> limit;
-    if (job.quality.target.metric == QualityTarget::Metric::kRays) {
-        limit = static_cast<uint64_t>(job.quality.target.value);
+    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
+        limit = static_cast<uint64_t>(job.quality.targets.front().value);
     }
     if (job.budget.rays) {
         const auto share =
@@ -259,19 +402,31 @@ std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
     return limit;
 }
 
-int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays) {
-    if (quality.evidence.pixels_per_probe) return *quality.evidence.pixels_per_probe;
-    const double rays_per_pixel =
-        quality.against == Against::kReference ? 16.0 : 2.0 * truth_grid * truth_grid;
+int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays) {
+    if (evidence.pixels_per_probe) return *evidence.pixels_per_probe;
+    const double paid_for = rays / (2.0 * truth_grid * truth_grid);
     const double texels = 6.0 * face_size_px * face_size_px;
-    const double paid_for = rays / rays_per_pixel;
-    if (quality.target.metric == QualityTarget::Metric::kIrradianceRel) {
-        const double most = std::min(texels, kMaxIrradianceDraws);
-        const double least = std::min(texels / 100.0, most);
-        return std::max(kMinAuditPixels, static_cast<int>(std::clamp(paid_for, least, most)));
+    const double most = std::min(texels, kMaxIrradianceDraws);
+    const double least = std::min(texels / 100.0, most);
+    return std::max(kLeastIrradianceDraws, static_cast<int>(std::clamp(paid_for, least, most)));
+}
+
+size_t probes_to_learn_from(const JobSpec& job) {
+    return job.probes.size() >= 2 * kProbesToLearnFrom ? kProbesToLearnFrom : 0;
+}
+
+void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult> first) {
+    for (size_t t = 0; t < pilot.steering.size(); ++t) {
+        if (!pilot.steering[t]) continue;
+        std::vector<AuditedRatio> audits;
+        for (const ProbeResult& result : first) {
+            if (t < result.first_look.size() && result.first_look[t]) {
+                audits.push_back(*result.first_look[t]);
+            }
+        }
+        pilot.steering[t] =
+            steering_of(quality.targets[t], learned_prior(pilot.steering[t]->prior, audits));
     }
-    return std::max(kMinAuditPixels,
-                    static_cast<int>(std::clamp(paid_for, texels / 100.0, texels / 10.0)));
 }
 
 }  // namespace probebake

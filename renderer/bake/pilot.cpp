@@ -17,6 +17,18 @@ constexpr double kPilotShare = 0.5;
 /// the target: if the bound does not come down by then, it hangs on single pixels that no price
 /// reaches, and the looks at each probe have to tell.
 constexpr int kFurtherPrices = 2;
+/// Confidence of the interval whose far end the settings of the pilot should meet: their own
+/// sample is small, and the looks at each probe tell better.
+constexpr double kPilotConfidence = 0.7;
+
+/// What the first look at a probe aims at, of the error that the target allows: what it spares the
+/// probes whose error is less than predicted pays for further looks at the others
+/// (docs/results/calibration.md).
+constexpr double kFirstAim = 0.75;
+/// Relative standard deviation of an audited pixel where nothing is known: of squared errors on the
+/// scenes of docs/results/calibration.md.
+constexpr double kUsualDrawCv = 4.0;
+constexpr double kLargestSpread = 2.0;
 
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
 /// at its end, where a pixel may cost hundreds of rays.
@@ -32,18 +44,23 @@ class Search {
   public:
     Search(const JobSpec& job, const Plan& plan, PilotSample& pixels,
            const std::optional<TimeBudget>& time, const std::function<bool()>& out_of_time)
-        : job_(job), plan_(plan), pixels_(pixels), time_(time), out_of_time_(out_of_time) {}
+        : job_(job),
+          sampled_(sampled(job.quality)),
+          plan_(plan),
+          pixels_(pixels),
+          time_(time),
+          out_of_time_(out_of_time) {}
 
     /// Fills the pilot's settings, expectation and finer candidates; returns the whole frontier,
     /// cheapest first, and which of it was chosen.
     std::pair<std::vector<Candidate>, size_t> run(Pilot& pilot) {
         std::vector<Candidate> all = compare(pilot);
-        size_t chosen = cheapest_that_meets(all);
-        if (chosen == all.size() && pays_by_price()) chosen = first_by_estimate(all);
+        size_t chosen = pays_by_price() && !ray_target() ? first_by_estimate(all)
+                                                         : cheapest_that_meets(all);
         pilot.expectation = Expectation::kTargetMet;
         if (chosen == all.size()) {
             --chosen;  // the finest there is
-            if (!estimate_meets(job_.quality.target, all[chosen].error)) {
+            if (!estimate_meets(sampled_, all[chosen].error)) {
                 pilot.expectation = Expectation::kUnreachable;
             }
         }
@@ -62,6 +79,7 @@ class Search {
         pilot.settings_mse = all[chosen].error.mse.value;
         if (pilot.settings.kind == RendererKind::kHybrid) {
             pilot.finer = lower_prices(pilot.settings.price, pilot.settings_mse);
+            if (steers(pilot)) pilot.steering = steering(all[chosen]);
             return {std::move(all), chosen};
         }
         for (size_t i = chosen + 1; i < all.size(); ++i) {
@@ -74,6 +92,31 @@ class Search {
     }
 
   private:
+    /// Whether probes are refined until their own predictions say so.
+    bool steers(const Pilot& pilot) const {
+        return pilot.expectation == Expectation::kTargetMet && !ray_target() &&
+               !job_.budget.rays && pilot.settings.price > 0.0;
+    }
+
+    std::vector<std::optional<Steering>> steering(const Candidate& chosen) const {
+        std::vector<std::optional<Steering>> all;
+        for (const QualityTarget& target : job_.quality.targets) {
+            const std::optional<Estimate> size = error_size(target.metric, chosen.error);
+            all.emplace_back();
+            if (!size || !(size->value > 0.0) || !(chosen.predicted > 0.0)) continue;
+            const double ratio = size->value / chosen.predicted;
+            const double known_to = size->standard_error() / size->value;
+            const bool windows = target.metric == QualityTarget::Metric::kSsim;
+            const double draw_cv =
+                windows ? known_to * std::sqrt(static_cast<double>(size->samples)) : kUsualDrawCv;
+            all.back() = steering_of(
+                target, {.ratio = ratio,
+                         .spread = std::min(kLargestSpread, std::hypot(kUsualSpread, known_to)),
+                         .draw_cv = draw_cv});
+        }
+        return all;
+    }
+
     /// Prices in steps of two. Their errors are guessed: at half the price the squared error is
     /// 0.58 to 0.85 of what it was, 0.70 on average (docs/decisions.md).
     static std::vector<FinerSettings> lower_prices(double price, double mse) {
@@ -105,7 +148,7 @@ class Search {
                 evaluate_all(hybrid_settings(pixels_.sample(), price));
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
-            std::vector<Candidate> best = frontier(std::move(candidates), job_.quality.target);
+            std::vector<Candidate> best = frontier(std::move(candidates), sampled_);
             if (!ray_target() && first_by_estimate(best) < best.size()) --further;
             if (enough || further < 0 || price < 0.0 || out_of_time_()) return best;
         }
@@ -122,7 +165,11 @@ class Search {
     /// Whether no finer candidates are needed: some meet the target, or cost more than may be
     /// spent.
     bool is_enough(const std::vector<Candidate>& candidates) const {
-        if (!ray_target()) return cheapest_that_meets(candidates) < candidates.size();
+        if (!ray_target()) {
+            return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+                return bound_meets(sampled_, c.error, confidence());
+            });
+        }
         return std::any_of(candidates.begin(), candidates.end(),
                            [&](const Candidate& candidate) { return !affordable(candidate); });
     }
@@ -140,7 +187,7 @@ class Search {
             std::vector<Candidate> candidates = evaluate_all(settings);
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
-            best = frontier(std::move(candidates), job_.quality.target);
+            best = frontier(std::move(candidates), sampled_);
             if (enough || !refines_further || out_of_time_()) break;
         }
         return best;
@@ -168,21 +215,19 @@ class Search {
     size_t cheapest_that_meets(const std::vector<Candidate>& all) const {
         if (ray_target()) return all.size() - 1;
         const auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-            return bound_meets(job_.quality.target, candidate.error,
-                               job_.quality.evidence.confidence);
+            return bound_meets(sampled_, candidate.error, confidence());
         });
         return static_cast<size_t>(at - all.begin());
     }
 
     /// The first whose estimate meets the target, with some certainty if possible.
     size_t first_by_estimate(const std::vector<Candidate>& all) const {
-        const QualityTarget& target = job_.quality.target;
         auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-            return bound_meets(target, candidate.error, kLookConfidence);
+            return bound_meets(sampled_, candidate.error, kPilotConfidence);
         });
         if (at == all.end()) {
             at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-                return estimate_meets(target, candidate.error);
+                return estimate_meets(sampled_, candidate.error);
             });
         }
         return static_cast<size_t>(at - all.begin());
@@ -200,7 +245,7 @@ class Search {
     bool affordable(const Candidate& candidate) const {
         const auto pixels = static_cast<double>(pixel_count(job_));
         if (ray_target()) {
-            const double rays_per_pixel = job_.quality.target.value *
+            const double rays_per_pixel = job_.quality.targets.front().value *
                                           static_cast<double>(job_.probes.size()) *
                                           static_cast<double>(job_.states.size()) / pixels;
             if (candidate.rays_per_pixel > rays_per_pixel) return false;
@@ -220,11 +265,28 @@ class Search {
         return true;
     }
 
-    bool ray_target() const { return job_.quality.target.metric == QualityTarget::Metric::kRays; }
+    bool ray_target() const {
+        return only_target(job_.quality, QualityTarget::Metric::kRays);
+    }
+    double confidence() const {
+        return pays_by_price() ? kPilotConfidence : job_.quality.evidence.confidence;
+    }
+    /// The job's targets without irradiance, which a sample of pixels does not tell.
+    static QualitySpec sampled(QualitySpec quality) {
+        auto& targets = quality.targets;
+        targets.erase(std::remove_if(targets.begin(), targets.end(),
+                                     [](const QualityTarget& target) {
+                                         return target.metric ==
+                                                QualityTarget::Metric::kIrradianceRel;
+                                     }),
+                      targets.end());
+        return quality;
+    }
     bool pays_by_price() const { return plan_.renderers.front() == RendererKind::kHybrid; }
     bool limited_by_rays() const { return ray_target() || job_.budget.rays; }
 
     const JobSpec& job_;
+    const QualitySpec sampled_;
     const Plan& plan_;
     PilotSample& pixels_;
     const std::optional<TimeBudget>& time_;
@@ -267,6 +329,10 @@ void begin_with_one_ray(Pilot& pilot) {
 
 }  // namespace
 
+Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
+    return {.goal = kFirstAim * *largest_size(target) / prior.ratio, .prior = prior};
+}
+
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     const auto start = std::chrono::steady_clock::now();
@@ -300,6 +366,11 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     }
     for (const RenderSettings& settings : measured) {
         if (out_of_time() && settings != pilot.settings) continue;
+        // What was recorded is not cast again.
+        if (settings.kind == RendererKind::kHybrid && settings.price >= pixels.recorded_price()) {
+            pilot.curve.push_back(pixels.replayed(settings));
+            continue;
+        }
         pilot.curve.push_back(pixels.render(settings));
         const CurvePoint& point = pilot.curve.back();
         pilot.curve_cost.rays += point.rays;

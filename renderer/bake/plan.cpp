@@ -43,7 +43,7 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         if (job.products.*kProductFlags[i]) continue;
         leave(std::string(kProductNames[i]) + " file", "products do not name it");
     }
-    if (job.quality.target.metric != QualityTarget::Metric::kSsim) {
+    if (!has_target(job.quality, QualityTarget::Metric::kSsim)) {
         leave("SSIM audit", "the target is another metric; SSIM costs whole windows of pixels");
     }
     return out;

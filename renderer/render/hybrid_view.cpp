@@ -1,5 +1,7 @@
 #include "render/hybrid_view.h"
 
+#include <tbb/parallel_for.h>
+
 #include "render/hybrid.h"
 #include "render/tiles.h"
 
@@ -32,6 +34,8 @@ struct Waiting {
     double gain = 0.0;
 };
 
+}  // namespace
+
 class HybridView {
   public:
     HybridView(const RenderScene& scene, const View& view, const RenderSettings& settings,
@@ -42,6 +46,49 @@ class HybridView {
         first_.resize(out_.aux.size());
         first_color_ = out_.color;
     }
+
+    /// Casts the first rays and keeps every pixel as it is then, for refine_to.
+    void begin() {
+        out_.stats += cast_first_rays();
+        for (int y = 0; y < view_.height_px; ++y) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (!first_[index(x, y)].rendered) continue;
+                const HybridPixel pixel = after_first_ray(x, y);
+                out_.stats += pixel.cost;
+                store(x, y, pixel);
+                kept_.push_back(kept(x, y, pixel));
+            }
+        }
+        first_ = {};
+        first_color_ = {};
+    }
+
+    /// Has every pixel go on that the price asks for; not below 0.
+    void refine_to(double price) {
+        settings_.price = price;
+        constexpr size_t kBlock = 64;
+        const size_t blocks = (kept_.size() + kBlock - 1) / kBlock;
+        out_.stats += for_each_row(static_cast<int>(blocks), cancel_, [&](int b, CostStats& stats) {
+            const size_t begin = static_cast<size_t>(b) * kBlock;
+            for (size_t i = begin; i < std::min(begin + kBlock, kept_.size()); ++i) {
+                Kept& at = kept_[i];
+                if (!(at.gain > price)) continue;
+                HybridPixel pixel{.stage = at.stage, .sums = at.sums, .evidence = at.evidence};
+                while (goes_on(pixel)) cast_stage(cast_at(at.x, at.y), pixel);
+                store(at.x, at.y, pixel);
+                stats += pixel.cost;
+                at = kept(at.x, at.y, pixel);
+            }
+        });
+    }
+
+    double largest_gain() const {
+        double largest = 0.0;
+        for (const Kept& pixel : kept_) largest = std::max(largest, pixel.gain);
+        return largest;
+    }
+
+    const ViewRender& render() const { return out_; }
 
     ViewRender run() {
         const CostStats first_pass = cast_first_rays();
@@ -55,6 +102,22 @@ class HybridView {
     }
 
   private:
+    /// A pixel between two refinements. Its cost so far is counted.
+    struct Kept {
+        int x = 0;
+        int y = 0;
+        int stage = 0;
+        PixelSums sums;
+        PixelEvidence evidence;
+        double gain = 0.0;
+    };
+
+    static Kept kept(int x, int y, const HybridPixel& pixel) {
+        return {x,          y,
+                pixel.stage, pixel.sums,
+                pixel.evidence, predicted_gain(pixel.stage, pixel.evidence)};
+    }
+
     bool renders(int x, int y) const {
         if (!extent_.face) return true;
         const CubePixel pixel{*extent_.face, x, y};
@@ -221,22 +284,60 @@ class HybridView {
     }
 
     const RenderScene& scene_;
-    const View& view_;
-    const RenderSettings& settings_;
+    const View view_;
+    RenderSettings settings_;
     const CancelToken& cancel_;
     ViewExtent extent_;
     std::vector<StartList> lists_;  // of tiles, row by row
     std::vector<FirstRays> first_;
     Image first_color_;
+    std::vector<Kept> kept_;
     ViewRender out_;
 };
-
-}  // namespace
 
 ViewRender render_hybrid_view(const RenderScene& scene, const View& view,
                               const RenderSettings& settings, const CancelToken& cancel,
                               const ViewExtent& extent) {
     return HybridView(scene, view, settings, cancel, extent).run();
+}
+
+HybridCubemap::HybridCubemap(const RenderScene& scene, const Vec3& origin, int n,
+                             const CancelToken& cancel)
+    : n_(n) {
+    tbb::parallel_for(size_t{0}, views_.size(), [&](size_t f) {
+        const CubeFace face = kCubeFaces[f];
+        views_[f] = std::make_unique<HybridView>(scene, cube_face_view(face, n, origin),
+                                                 hybrid_at(0.0), cancel, ViewExtent{.face = face});
+        views_[f]->begin();
+    });
+}
+
+HybridCubemap::~HybridCubemap() = default;
+
+void HybridCubemap::refine_to(double price) {
+    tbb::parallel_for(size_t{0}, views_.size(), [&](size_t f) { views_[f]->refine_to(price); });
+}
+
+double HybridCubemap::largest_gain() const {
+    double largest = 0.0;
+    for (const auto& view : views_) largest = std::max(largest, view->largest_gain());
+    return largest;
+}
+
+CubemapRender HybridCubemap::render() const {
+    std::array<ViewRender, kFaceCount> views;
+    for (size_t f = 0; f < views.size(); ++f) views[f] = views_[f]->render();
+    return join_faces(n_, views);
+}
+
+double HybridCubemap::predicted_sum(const std::vector<double>& weights) const {
+    const size_t face_pixels = static_cast<size_t>(n_) * static_cast<size_t>(n_);
+    double sum = 0.0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+        const PixelAux& pixel = views_[i / face_pixels]->render().aux[i % face_pixels];
+        sum += weights[i] * static_cast<double>(pixel.predicted_error);
+    }
+    return sum;
 }
 
 }  // namespace probebake

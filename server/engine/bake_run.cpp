@@ -10,6 +10,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+
 double seconds_between(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
 }
@@ -86,7 +87,16 @@ class BakeRun {
     void render() {
         render_begin_ = Clock::now();
         results_.resize(job_.probes.size() * job_.states.size());
-        params_.pool.for_each(results_.size(), [&](size_t i) {
+        // The audits of the first probes tell how wrong the others' predictions will be.
+        const size_t first = probes_to_learn_from(job_) * job_.states.size();
+        render_units(0, first);
+        learn_from(first);
+        render_units(first, results_.size());
+    }
+
+    void render_units(size_t begin, size_t end) {
+        params_.pool.for_each(end - begin, [&](size_t k) {
+            const size_t i = begin + k;
             params_.cancel.throw_if_cancelled();
             // Probe by probe, so that a probe's states end together.
             const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
@@ -94,6 +104,16 @@ class BakeRun {
                 bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit, params_.cancel);
             publish(i, std::move(result));
         });
+    }
+
+    void learn_from(size_t units) {
+        for (size_t s = 0; s < pilots_.size(); ++s) {
+            std::vector<ProbeResult> results;
+            for (size_t i = s; i < units; i += pilots_.size()) {
+                results.push_back(results_[i]);
+            }
+            learn(pilots_[s], job_.quality, results);
+        }
     }
 
     void publish(size_t i, ProbeResult result) {

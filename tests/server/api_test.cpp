@@ -79,7 +79,7 @@ TEST(Api, AJobForSphericalHarmonicsHasNoCube) {
         EXPECT_EQ(sh.json().at("rgb").size(), 9U);
     }
     const Json report = service.get("/v1/bakes/" + id + "/report").json();
-    EXPECT_EQ(report.at("target").at("metric"), "irradiance_rel");
+    EXPECT_EQ(report.at("target").at("targets").at(0).at("metric"), "irradiance_rel");
     EXPECT_EQ(report.at("states")[0].at("results"), (Json{{"target_met", 2}}));
     EXPECT_TRUE(report.at("states")[0].at("error").contains("irradiance_rel_interval"));
 }

@@ -1,0 +1,69 @@
+#include "bake/error_prior.h"
+
+#include <algorithm>
+#include <boost/math/distributions/gamma.hpp>
+#include <cmath>
+
+namespace probebake {
+namespace {
+
+/// What the usual figures count for, in probes, beside a job's own.
+constexpr double kUsualProbes = 4.0;
+constexpr double kSmallestSpread = 0.1;
+constexpr double kSmallestCv = 1.0;
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio> audits) {
+    double count = 0.0;
+    double ratio = 0.0;
+    double variance_per_draw = 0.0;
+    double noise = 0.0;  // variance of a measured ratio for its audit's sake, mean
+    for (const AuditedRatio& audit : audits) {
+        if (!(audit.predicted > 0.0) || audit.draws < 2) continue;
+        count += 1.0;
+        ratio += audit.measured / audit.predicted;
+        const double variance = audit.variance / square(audit.predicted);
+        noise += variance;
+        variance_per_draw += variance * static_cast<double>(audit.draws);
+    }
+    if (count < 2.0) return before;
+    ratio /= count;
+    noise /= count;
+    variance_per_draw /= count;
+    if (!(ratio > 0.0)) return before;
+    double scatter = 0.0;
+    for (const AuditedRatio& audit : audits) {
+        if (!(audit.predicted > 0.0) || audit.draws < 2) continue;
+        scatter += square(audit.measured / audit.predicted - ratio) / (count - 1.0);
+    }
+    const double weight = count / (count + kUsualProbes);
+    const double own = std::max(0.0, scatter - noise) / square(ratio);
+    const double between = weight * own + (1.0 - weight) * square(kUsualSpread);
+    const double of_ratio = (between + noise / square(ratio)) / count;
+    const double draw_cv = std::sqrt(weight * variance_per_draw / square(ratio) +
+                                     (1.0 - weight) * square(before.draw_cv));
+    return {.ratio = ratio,
+            .spread = std::max(kSmallestSpread, std::sqrt(between + of_ratio)),
+            .draw_cv = std::max(kSmallestCv, draw_cv)};
+}
+
+PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence) {
+    const double prior_shape = 2.0 + 1.0 / square(prior.spread);
+    const double own_shape = static_cast<double>(audit.draws) / square(prior.draw_cv);
+    const double own_ratio =
+        audit.predicted > 0.0 ? std::max(0.0, audit.measured) / audit.predicted : 0.0;
+    const double shape = prior_shape + own_shape;
+    const double scale = prior.ratio * (prior_shape - 1.0) + own_shape * own_ratio;
+    const auto quantile = [&](double probability) {
+        const boost::math::gamma_distribution<double> gamma(shape);
+        return audit.predicted * scale / boost::math::quantile(gamma, 1.0 - probability);
+    };
+    const double tail = (1.0 - confidence) / 2.0;
+    return {.value = audit.predicted * scale / (shape - 1.0),
+            .interval = {quantile(tail), quantile(1.0 - tail)}};
+}
+
+}  // namespace probebake

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     add_check_command(app, work);
     add_client_commands(app, work);
     add_preview_command(app, work);
+    add_report_command(app, work);
     add_scene_command(app, work);
     add_serve_command(app, work);
     add_study_command(app, work);

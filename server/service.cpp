@@ -28,6 +28,7 @@ Service::Service(const ServiceOptions& options)
             .scenes = scenes_,
             .load = [this](const SceneFile& file,
                            const CancelToken& cancel) { return cache_.get(file, cancel); },
+            .on_pool = [this](const std::function<void()>& work) { pool_.run(work); },
             .threads = options.threads,
             .max_body_bytes = options.http.guard.max_body_bytes}),
       http_(

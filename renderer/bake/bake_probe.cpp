@@ -19,7 +19,11 @@ namespace {
 constexpr size_t kProbesToLearnFrom = 16;
 constexpr int kMaxLooks = 6;
 /// Of a render's rays, what an audit of it may cast.
-constexpr double kAuditShare = 0.08;
+constexpr double kAuditShare = 0.07;
+constexpr double kTeachingShare = 0.2;
+/// An audit tells by itself from so many draws on, over the square of a draw's relative standard
+/// deviation: its own is within 0.3 then.
+constexpr double kTellingDraws = 12.0;
 constexpr int kLeastAuditPixels = 24;
 constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
@@ -137,13 +141,13 @@ class Unit {
         return std::clamp(step.value_or(kSmallestStep), kSmallestStep, kLargestStep);
     }
 
-    /// The lower of both upper bounds of a target's error.
+    /// The upper bound of a target's error that the next look has to bring down.
     std::optional<double> upper_bound(size_t t) const {
         const auto size =
             error_size(job_.quality.targets[t].metric, result_.certificate.error);
         if (!size) return std::nullopt;
-        const double own = size->interval(result_.confidence).high;
-        return result_.pooled[t] ? std::min(own, result_.pooled[t]->interval.high) : own;
+        return result_.pooled[t] ? result_.pooled[t]->upper
+                                 : size->interval(result_.confidence).high;
     }
 
     /// Renders by other renderers, one finer than the other.
@@ -206,31 +210,41 @@ class Unit {
         result_.certificate = audit(static_cast<uint64_t>(result_.looks));
         const double doubt = 1.0 - job_.quality.evidence.confidence;
         result_.confidence = 1.0 - std::ldexp(doubt, 1 - result_.looks);
-        const MeasuredError& error = result_.certificate.error;
         const std::vector<QualityTarget>& targets = job_.quality.targets;
         result_.pooled.assign(targets.size(), std::nullopt);
-        std::vector<bool> met;
-        for (size_t t = 0; t < targets.size(); ++t) {
-            const std::optional<AuditedRatio> ratio = audited_ratio(targets[t]);
-            if (result_.looks == 1) result_.first_look.push_back(ratio);
-            bool pooled_meets = false;
-            if (ratio && pilot_.steering[t]) {
-                result_.pooled[t] =
-                    pooled_error(pilot_.steering[t]->prior, *ratio, result_.confidence);
-                const Interval own =
-                    error_size(targets[t].metric, error)->interval(result_.confidence);
-                const double allowed = *largest_size(targets[t]);
-                pooled_meets = result_.pooled[t]->interval.high <= allowed && own.low <= allowed;
-            }
-            met.push_back(pooled_meets || bound_meets(targets[t], error, result_.confidence));
+        audits_.resize(targets.size());
+        std::vector<EvidenceOf> evidence;  // that each target is met
+        for (size_t t = 0; t < targets.size(); ++t) evidence.push_back(look_at(t));
+        result_.target_met = targets_meet(job_.quality, [&](const QualityTarget& target) {
+            return evidence[static_cast<size_t>(&target - targets.data())] != EvidenceOf::kNone;
+        });
+        const bool of_job =
+            std::find(evidence.begin(), evidence.end(), EvidenceOf::kJob) != evidence.end();
+        result_.evidence = result_.target_met && of_job ? EvidenceOf::kJob : EvidenceOf::kProbe;
+    }
+
+    /// Whose evidence says that a target is met; none where it is not.
+    EvidenceOf look_at(size_t t) {
+        const QualityTarget& target = job_.quality.targets[t];
+        const MeasuredError& error = result_.certificate.error;
+        const std::optional<AuditedRatio> ratio = audited_ratio(target);
+        if (result_.looks == 1) result_.first_look.push_back(ratio);
+        const bool own_meets = bound_meets(target, error, result_.confidence);
+        if (!ratio || !pilot_.steering[t]) {
+            return own_meets ? EvidenceOf::kProbe : EvidenceOf::kNone;
         }
-        const bool by_own = bound_meets(job_.quality, error, result_.confidence);
-        const auto is_met = [](bool one) { return one; };
-        result_.target_met = job_.quality.require == Require::kAll
-                                 ? std::all_of(met.begin(), met.end(), is_met)
-                                 : std::any_of(met.begin(), met.end(), is_met);
-        result_.evidence =
-            by_own || !result_.target_met ? EvidenceOf::kProbe : EvidenceOf::kJob;
+        const ErrorPrior& prior = pilot_.steering[t]->prior;
+        audits_[t] = with_further_audit(audits_[t], *ratio);
+        const PooledError pooled =
+            pooled_error(prior, audits_[t], job_.quality.evidence.confidence);
+        result_.pooled[t] = pooled;
+        const bool tells = static_cast<double>(ratio->draws) >=
+                           kTellingDraws * prior.draw_cv * prior.draw_cv;
+        if (tells && own_meets) return EvidenceOf::kProbe;
+        const double allowed = *largest_size(target);
+        const double near_end = error_size(target.metric, error)->interval(result_.confidence).low;
+        return pooled.upper <= allowed && near_end <= allowed ? EvidenceOf::kJob
+                                                              : EvidenceOf::kNone;
     }
 
     /// What the last audit says beside the renderer's prediction; none without steering.
@@ -250,7 +264,8 @@ class Unit {
         const int grid = wants_leaf_rays_only(job_)
                              ? irradiance_truth_grid(result_.settings.leaf_grid)
                              : pilot_.truth_grid;
-        const double rays = kAuditShare * static_cast<double>(render_.total().all_rays());
+        const double share = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
+        const double rays = share * static_cast<double>(render_.total().all_rays());
         AuditSpec spec{
             .scene = render_scene_,
             .origin = origin_,
@@ -301,8 +316,9 @@ class Unit {
     }
 
     void add_errors(ProbeAttributes& out) const {
-        const double confidence = result_.confidence;
-        const ErrorFigures figures = figures_of(result_.certificate.error.mse, confidence);
+        const double confidence = job_.quality.evidence.confidence;
+        const ErrorFigures figures = error_figures(job_.quality, result_);
+        out.texts["probe:err:evidence"] = name_of(result_.evidence);
         out.texts["probe:err:against"] = name_of(job_.quality.against);
         out.numbers["probe:err:exposure"] = pilot_.exposure;
         out.numbers["probe:err:confidence"] = confidence;
@@ -372,10 +388,32 @@ class Unit {
     CubemapRender render_;
     Cubemap as_written_;
     double render_mse_;  // what the pilot found for the settings of the render
+    std::vector<AuditedRatio> audits_;  // all of this probe, one per target
     ProbeResult result_;
 };
 
 }  // namespace
+
+std::string_view name_of(EvidenceOf evidence) {
+    constexpr std::array<std::string_view, 3> kNames = {"none", "probe", "job"};
+    return kNames[static_cast<size_t>(evidence)];
+}
+
+ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result) {
+    for (size_t t = 0; t < result.pooled.size(); ++t) {
+        const bool of_squares = quality.targets[t].metric == QualityTarget::Metric::kPsnrDb ||
+                                quality.targets[t].metric == QualityTarget::Metric::kRmse;
+        if (!of_squares || !result.pooled[t]) continue;
+        const PooledError& pooled = *result.pooled[t];
+        const auto db = [](double mse) { return -10.0 * std::log10(mse); };
+        return {.rmse = std::sqrt(pooled.value),
+                .rmse_interval = {std::sqrt(pooled.interval.low), std::sqrt(pooled.interval.high)},
+                .psnr_db = db(pooled.value),
+                .psnr_low_db = db(pooled.interval.high),
+                .psnr_high_db = db(pooled.interval.low)};
+    }
+    return figures_of(result.certificate.error.mse, quality.evidence.confidence);
+}
 
 CostStats ProbeResult::render_cost() const {
     CostStats total;

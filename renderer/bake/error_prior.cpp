@@ -8,9 +8,8 @@ namespace probebake {
 namespace {
 
 /// What the usual figures count for, in probes, beside a job's own.
-constexpr double kUsualProbes = 4.0;
+constexpr double kUsualProbes = 8.0;
 constexpr double kSmallestSpread = 0.1;
-constexpr double kSmallestCv = 1.0;
 
 double square(double x) { return x * x; }
 
@@ -47,7 +46,21 @@ ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio>
                                      (1.0 - weight) * square(before.draw_cv));
     return {.ratio = ratio,
             .spread = std::max(kSmallestSpread, std::sqrt(between + of_ratio)),
-            .draw_cv = std::max(kSmallestCv, draw_cv)};
+            // A sample of heavy tails shows too little of them rather than too much.
+            .draw_cv = std::max(before.draw_cv, draw_cv)};
+}
+
+AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& audit) {
+    if (all.draws == 0 || !(all.predicted > 0.0)) return audit;
+    const auto before = static_cast<double>(all.draws);
+    const auto now = static_cast<double>(audit.draws);
+    const double scale = audit.predicted / all.predicted;
+    const double share = now / (before + now);
+    return {.predicted = audit.predicted,
+            .measured = share * audit.measured + (1.0 - share) * scale * all.measured,
+            .variance = square(share) * audit.variance +
+                        square((1.0 - share) * scale) * all.variance,
+            .draws = all.draws + audit.draws};
 }
 
 PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence) {
@@ -63,7 +76,8 @@ PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, dou
     };
     const double tail = (1.0 - confidence) / 2.0;
     return {.value = audit.predicted * scale / (shape - 1.0),
-            .interval = {quantile(tail), quantile(1.0 - tail)}};
+            .interval = {quantile(tail), quantile(1.0 - tail)},
+            .upper = quantile(confidence)};
 }
 
 }  // namespace probebake

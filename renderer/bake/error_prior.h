@@ -9,7 +9,10 @@
 //
 //   shape a + n / cv², scale b + (n / cv²) y,   a = 2 + 1 / spread², b = mean · (a − 1)
 //
-// never below zero and skewed to the right, as errors are. This is the composite estimate of small
+// never below zero and skewed to the right, as errors are. All audits of a probe count, those after
+// which it was refined, too: a posterior, unlike an interval from the audit alone, means the same
+// whatever made one stop looking (Rubin 1984, "Bayesianly justifiable and relevant frequency
+// calculations", Ann. Statist. 12). This is the composite estimate of small
 // areas (Fay and Herriot 1979, "Estimates of income for small places", J. Am. Statist. Assoc. 74)
 // in a multiplicative form. docs/results/calibration.md measures that its intervals cover.
 #pragma once
@@ -30,9 +33,9 @@ struct ErrorPrior {
 
 /// How far probes of a job differ, by the scenes of docs/results/calibration.md, until the job's own
 /// audits tell.
-inline constexpr double kUsualSpread = 0.35;
+inline constexpr double kUsualSpread = 0.4;
 
-/// A probe's audit, before anything was decided on it.
+/// An audit beside the renderer's prediction.
 struct AuditedRatio {
     double predicted = 0.0;  // mean squared error
     double measured = 0.0;   // its estimate
@@ -43,10 +46,14 @@ struct AuditedRatio {
 /// The prior that the audits of a job's first probes make of the one that its pilot made.
 ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio> audits);
 
-/// Mean and two-sided interval of the mean squared error.
+/// `all` and a further audit of the same probe, as of what is predicted now.
+AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& audit);
+
+/// Mean, two-sided interval and one-sided upper bound of the mean squared error.
 struct PooledError {
     double value = 0.0;
     Interval interval;
+    double upper = 0.0;
 };
 PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence);
 

@@ -24,7 +24,7 @@ constexpr double kPilotConfidence = 0.7;
 /// What the first look at a probe aims at, of the error that the target allows: what it spares the
 /// probes whose error is less than predicted pays for further looks at the others
 /// (docs/results/calibration.md).
-constexpr double kFirstAim = 0.75;
+constexpr double kFirstAim = 0.65;
 /// Relative standard deviation of an audited pixel where nothing is known: of squared errors on the
 /// scenes of docs/results/calibration.md.
 constexpr double kUsualDrawCv = 4.0;

@@ -27,9 +27,15 @@ constexpr double kTruthNoiseShare = 0.25;
 
 }  // namespace
 
+uint64_t pilot_pixels(const JobSpec& job) {
+    const uint64_t texels = texel_count(job) / job.states.size();
+    return std::min(texels, std::clamp(texels / kTexelsPerPixel, kMinPixels, kMaxPixels));
+}
+
 PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
                          const CancelToken& cancel)
     : scene_(scene), job_(job), state_(std::move(state)), cancel_(cancel) {
+    sample_.rel_mse = has_target(job.quality, QualityTarget::Metric::kRelMse);
     choose_places();
     const QualityTarget& target = job.quality.targets.front();
     const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
@@ -58,9 +64,7 @@ void PilotSample::choose_places() {
     for (size_t i = 0; i < used; ++i) {
         std::swap(probes[i], probes[i + random.below(probes.size() - i)]);
     }
-    const uint64_t texels = texel_count(job_) / job_.states.size();
-    const uint64_t pixels =
-        std::min(texels, std::clamp(texels / kTexelsPerPixel, kMinPixels, kMaxPixels));
+    const uint64_t pixels = pilot_pixels(job_);
     sample_.windows = has_target(job_.quality, QualityTarget::Metric::kSsim);
     uint64_t squares = pixels;
     if (sample_.windows) {

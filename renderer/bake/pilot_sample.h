@@ -18,6 +18,9 @@ struct CurvePoint {
     MeasuredError error;
 };
 
+/// How many pixels the pilot of one state draws.
+uint64_t pilot_pixels(const JobSpec& job);
+
 /// All functions run on the calling arena, give the same values for any number of threads, and
 /// throw Cancelled.
 class PilotSample {

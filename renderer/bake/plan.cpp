@@ -49,6 +49,9 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
     return out;
 }
 
+/// What the hybrid renderer keeps of a pixel between two refinements (hybrid_view.h).
+constexpr uint64_t kKeptPixelBytes = 260;
+
 /// Of all files together, uncompressed; a latlong has 8 N² pixels where a cube has 6 N².
 uint64_t bytes_per_texel(const Products& products) {
     constexpr uint64_t kHalfRgb = 6;
@@ -95,6 +98,7 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     plan.bytes_per_unit =
         unit_texels *
         (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
+         (plan.renderers.front() == RendererKind::kHybrid ? kKeptPixelBytes : 0) +
          (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
     plan.output_bytes = plan.texels * bytes_per_texel(job.products) + plan.work_units * 16384;
 

@@ -91,6 +91,8 @@ MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors
     MeasuredError error{mean_error(sample, colors, [&](const Rgb& value, const TruthPair& truth) {
         return squared_error(value, truth, sample.exposure);
     })};
+    if (sample.windows) error.ssim = mean_ssim(sample, colors);
+    if (!sample.rel_mse) return error;
     double mean = 0.0;
     for (const SearchPixel& pixel : sample.pixels) {
         const Vec3 truth = (Vec3(pixel.truth.r1) + Vec3(pixel.truth.r2)) / 2.0;
@@ -100,7 +102,6 @@ MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors
     error.rel_mse = mean_error(sample, colors, [&](const Rgb& value, const TruthPair& truth) {
         return relative_squared_error(value, truth, sample.exposure, floor);
     });
-    if (sample.windows) error.ssim = mean_ssim(sample, colors);
     return error;
 }
 

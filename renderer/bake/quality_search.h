@@ -28,6 +28,7 @@ struct SearchSample {
     std::vector<SearchPixel> pixels;
     /// Pixels come as whole windows of SSIM, 121 in a row each; without, one by one.
     bool windows = false;
+    bool rel_mse = false;  // whether it is measured
     double exposure = 1.0;
 };
 

@@ -1,7 +1,6 @@
 #include "bake/report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "bake/job_names.h"
@@ -61,9 +60,12 @@ Json write_error(const MeasuredError& error, double confidence) {
     return json;
 }
 
-/// What a probe's own audit and the job's others say together, in the targets' metrics.
-Json write_pooled(const JobSpec& job, const ProbeResult& result) {
-    Json json = Json::object();
+/// What is known of a probe's error: its own audit's figures, and in their place, where there are
+/// any, those that the job's other audits took part in.
+Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
+    Json own = write_error(result.certificate.error, result.confidence);
+    Json json = own;
+    json["confidence"] = result.confidence;
     for (size_t t = 0; t < result.pooled.size(); ++t) {
         if (!result.pooled[t]) continue;
         const PooledError& pooled = *result.pooled[t];
@@ -78,13 +80,17 @@ Json write_pooled(const JobSpec& job, const ProbeResult& result) {
                 json["ssim_interval"] = {1.0 - interval.high, 1.0 - interval.low};
                 break;
             default: {
-                const auto db = [](double mse) { return -10.0 * std::log10(mse); };
-                json["rmse"] = std::sqrt(pooled.value);
-                json["rmse_interval"] = {std::sqrt(interval.low), std::sqrt(interval.high)};
-                json["psnr_db"] = db(pooled.value);
-                json["psnr_db_interval"] = {db(interval.high), db(interval.low)};
+                const ErrorFigures figures = error_figures(job.quality, result);
+                json["rmse"] = figures.rmse;
+                json["rmse_interval"] = {figures.rmse_interval.low, figures.rmse_interval.high};
+                json["psnr_db"] = optional_json(figures.psnr_db);
+                json["psnr_db_interval"] = {optional_json(figures.psnr_low_db),
+                                            optional_json(figures.psnr_high_db)};
             }
         }
+        json["confidence"] = job.quality.evidence.confidence;
+        json["own_audit"] = own;
+        json["own_audit"]["confidence"] = result.confidence;
     }
     return json;
 }
@@ -108,11 +114,6 @@ std::string_view name_of(Expectation expectation) {
     constexpr std::array<std::string_view, 3> kNames = {"target_met", "budget_exhausted",
                                                         "unreachable"};
     return kNames[static_cast<size_t>(expectation)];
-}
-
-std::string_view name_of(EvidenceOf evidence) {
-    constexpr std::array<std::string_view, 3> kNames = {"none", "probe", "job"};
-    return kNames[static_cast<size_t>(evidence)];
 }
 
 struct Costs {
@@ -320,10 +321,7 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
         json["faces"].push_back(std::move(face));
     }
     if (result.certificate.pixels > 0) {
-        json["error"] = write_error(result.certificate.error, result.confidence);
-        json["error"]["confidence"] = result.confidence;
-        Json with_the_job = write_pooled(record.job, result);
-        if (!with_the_job.empty()) json["error"]["with_the_job"] = std::move(with_the_job);
+        json["error"] = write_probe_error(record.job, result);
     }
     for (const ProductFile& file : result.files) {
         json["files"].push_back(

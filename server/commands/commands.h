@@ -14,6 +14,7 @@ namespace probebake {
 using CommandWork = std::function<int()>;
 
 void add_bake_command(CLI::App& app, CommandWork& work);
+void add_report_command(CLI::App& app, CommandWork& work);
 void add_check_command(CLI::App& app, CommandWork& work);
 void add_client_commands(CLI::App& app, CommandWork& work);  // submit, list, status, wait, …
 void add_preview_command(CLI::App& app, CommandWork& work);

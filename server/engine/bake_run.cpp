@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/remaining_time.h"
+
 namespace probebake {
 namespace {
 
@@ -46,10 +48,11 @@ class BakeRun {
         const Clock::time_point now = Clock::now();
         progress_.seconds = seconds_between(start_, now);
         if (progress_.units_done > 0) {
-            const double per_unit =
-                seconds_between(render_begin_, now) / static_cast<double>(progress_.units_done);
-            progress_.seconds_left =
-                per_unit * static_cast<double>(progress_.units - progress_.units_done);
+            const RemainingTime left = unit_times_.left(
+                seconds_between(render_begin_, now),
+                static_cast<double>(progress_.units - progress_.units_done), pixels_left_);
+            progress_.seconds_left = left.seconds;
+            progress_.seconds_left_interval = left.interval;
         }
         if (params_.on_progress) params_.on_progress(progress_);
     }
@@ -86,20 +89,23 @@ class BakeRun {
 
     void render() {
         render_begin_ = Clock::now();
+        pixels_left_ = static_cast<double>(pixel_count(job_));
         results_.resize(job_.probes.size() * job_.states.size());
         // The audits of the first probes tell how wrong the others' predictions will be.
         const size_t first = probes_to_learn_from(job_) * job_.states.size();
-        render_units(0, first);
+        render_units(0, first, true);
         learn_from(first);
-        render_units(first, results_.size());
+        render_units(first, results_.size(), false);
     }
 
-    void render_units(size_t begin, size_t end) {
+    void render_units(size_t begin, size_t end, bool teach) {
         params_.pool.for_each(end - begin, [&](size_t k) {
             const size_t i = begin + k;
             params_.cancel.throw_if_cancelled();
             // Probe by probe, so that a probe's states end together.
-            const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
+            const UnitParams unit{.probe = i / job_.states.size(),
+                                  .out_of_time = out_of_time(),
+                                  .teaches = teach};
             ProbeResult result =
                 bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit, params_.cancel);
             publish(i, std::move(result));
@@ -121,6 +127,10 @@ class BakeRun {
         if (params_.sink) params_.sink(job_.probes[result.probe], result);
         for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
         if (progress_.units_done == 0) first_unit_seconds_ = seconds_between(start_, Clock::now());
+        const auto pixels =
+            static_cast<double>(owned_pixel_count(job_.probes[result.probe].face_size_px));
+        unit_times_.add(result.wall_seconds, pixels);
+        pixels_left_ -= pixels;
         results_[i] = std::move(result);
         ++progress_.units_done;
         report_progress();
@@ -160,6 +170,8 @@ class BakeRun {
     std::vector<ProbeResult> results_;
     BakeProgress progress_;
     double first_unit_seconds_ = 0.0;
+    UnitTimes unit_times_;
+    double pixels_left_ = 0.0;
 };
 
 }  // namespace

@@ -23,6 +23,8 @@ class Api {
         ArtifactStore& store;
         const SceneLibrary& scenes;
         SceneSource load;
+        /// Does work for a check on the render threads.
+        std::function<void(const std::function<void()>&)> on_pool;
         int threads = 1;  // of the render pool, for the version
         uint64_t max_body_bytes = 0;
         /// Checks that may load scenes at once, and how long one waits for its scene.

@@ -1,4 +1,5 @@
 // What a job made, over HTTP: report, rows, files.
+#include "bake/report_page.h"
 #include "http/api.h"
 #include "http/query.h"
 #include "io/io_error.h"
@@ -47,6 +48,18 @@ Json write_unit(const StoredUnit& unit) {
     return json;
 }
 
+/// A report of ours: as many values as 65,536 probes make.
+Json read_json(const OpenFile& file) {
+    std::string text(file.size_bytes(), '\0');
+    uint64_t done = 0;
+    while (done < text.size()) {
+        const size_t n = file.read_at(done, std::span(text).subspan(done));
+        if (n == 0) throw IoError("report.json", "ends early");
+        done += n;
+    }
+    return parse_json(text, {.max_values = 10'000'000});
+}
+
 [[noreturn]] void refuse_token() {
     QueryReader::refuse("page_token", "expected what a page before gave");
 }
@@ -67,7 +80,12 @@ RowToken read_token(const std::string& text) {
 }  // namespace
 
 void Api::report(const Call& call) {
-    QueryReader(call.request).refuse_unknown();
+    QueryReader query(call.request);
+    const std::string format = query.text("format").value_or("json");
+    query.refuse_unknown();
+    if (format != "json" && format != "html") {
+        QueryReader::refuse("format", "expected json or html");
+    }
     const JobSnapshot job = find_job(call);
     if (job.state != JobState::kSucceeded) {
         const std::string state(name_of(job.state));
@@ -81,6 +99,12 @@ void Api::report(const Call& call) {
     std::shared_ptr<const OpenFile> file = parts_.store.open_report(job.id);
     if (!file) find_job(call);  // forgotten in between
     if (!file) throw IoError("report.json", "is missing");
+    if (format == "html") {
+        call.response.set_header("Content-Security-Policy",
+                                 "default-src 'none'; style-src 'unsafe-inline'");
+        call.response.set_content(report_page(read_json(*file)), "text/html; charset=utf-8");
+        return;
+    }
     answer_file(std::move(file), "application/json", call.response);
 }
 

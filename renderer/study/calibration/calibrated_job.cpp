@@ -170,15 +170,15 @@ Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
     const double allowed = largest_square(job.quality.targets.front());
     const size_t count = job.probes.size();
     std::vector<ProbeResult> results(count);
-    const auto bake = [&](size_t begin, size_t end) {
+    const auto bake = [&](size_t begin, size_t end, bool teach) {
         tbb::parallel_for(begin, end, [&](size_t i) {
-            results[i] = bake_probe(scene, job, pilot, {.probe = i}, cancel);
+            results[i] = bake_probe(scene, job, pilot, {.probe = i, .teaches = teach}, cancel);
         });
     };
     const size_t first = probes_to_learn_from(job);
-    bake(0, first);
+    bake(0, first, true);
     learn(pilot, job.quality, std::span(results).first(first));
-    bake(first, count);
+    bake(first, count, false);
 
     std::vector<PricedProbe> priced(count);
     std::vector<Json> rows(count);

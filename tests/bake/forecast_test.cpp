@@ -1,0 +1,56 @@
+#include "bake/forecast.h"
+
+#include <gtest/gtest.h>
+
+#include "bake/bake_fixture.h"
+#include "bake/bake_probe.h"
+
+namespace probebake {
+namespace {
+
+// Bytes and cost follow the number of pixels; seconds of a machine are not tested here.
+TEST(Forecast, GrowsWithTheJob) {
+    const Scene scene = test::small_scene();
+    const CancelToken cancel;
+    const auto forecast = [&](const JobSpec& job) {
+        return make_forecast(scene, job, make_plan(scene, job), 2, cancel);
+    };
+    const Forecast small = forecast(test::small_job(4));
+    const Forecast large = forecast(test::small_job(40));
+    EXPECT_GT(small.seconds, 0.0);
+    EXPECT_GT(large.seconds, small.seconds);
+    EXPECT_NEAR(static_cast<double>(large.output_bytes),
+                10.0 * static_cast<double>(small.output_bytes), 0.2 * static_cast<double>(large.output_bytes));
+    EXPECT_GE(large.memory_bytes, small.memory_bytes);
+    Json request = test::small_request(4);
+    request["budget"]["seconds"] = 1e-3;
+    EXPECT_LE(forecast(read_job(request)).seconds, 1e-3);
+}
+
+TEST(Forecast, ItsBytesAreThoseOfTheBake) {
+    const Scene scene = test::small_scene();
+    const CancelToken cancel;
+    const JobSpec job = test::small_job(6);
+    const Plan plan = make_plan(scene, job);
+    const Pilot pilot = run_pilot(scene, job, plan, LightingState::kAlbedo, cancel);
+    double bytes = 0.0;
+    for (size_t i = 0; i < 6; ++i) {
+        bytes += static_cast<double>(
+            bake_probe(scene, job, pilot, {.probe = i}, cancel).files.front().size_bytes);
+    }
+    const double ratio =
+        static_cast<double>(make_forecast(scene, job, plan, 2, cancel).output_bytes) / bytes;
+    EXPECT_GT(ratio, 0.8);
+    EXPECT_LT(ratio, 1.25);
+}
+
+TEST(Forecast, StopsWhenItIsCancelled) {
+    const Scene scene = test::small_scene();
+    CancelToken cancel;
+    cancel.cancel();
+    const JobSpec job = test::small_job(2);
+    EXPECT_THROW(make_forecast(scene, job, make_plan(scene, job), 1, cancel), Cancelled);
+}
+
+}  // namespace
+}  // namespace probebake

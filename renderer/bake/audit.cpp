@@ -160,8 +160,7 @@ class AuditRun {
             const double weight = pixel_weight(spec_.weighting, pixel, n_) * inverse;
             errors[i] = weight * error;
             if (spec_.rel_mse) {
-                relative[i] =
-                    weight * relative_squared_error(value, truth, spec_.exposure, floor_);
+                relative[i] = weight * relative_squared_error(value, truth, spec_.exposure, floor_);
             }
             if (!spec_.sh) return;
             const Vec3 mean = (Vec3(truth.r1) + Vec3(truth.r2)) / 2.0;

@@ -47,7 +47,7 @@ struct AuditSpec {
     double rays = 0.0;
     int least_pixels = 0;
     int most_pixels = 0;
-    int windows = 0;  // of SSIM
+    int windows = 0;                        // of SSIM
     int window_grid = kTruthGrids.front();  // rays per side of r1 and r2 in them
     bool rel_mse = false;
     bool sh = false;  // whether the spherical harmonics are audited, too

@@ -143,8 +143,7 @@ class Unit {
 
     /// The upper bound of a target's error that the next look has to bring down.
     std::optional<double> upper_bound(size_t t) const {
-        const auto size =
-            error_size(job_.quality.targets[t].metric, result_.certificate.error);
+        const auto size = error_size(job_.quality.targets[t].metric, result_.certificate.error);
         if (!size) return std::nullopt;
         return result_.pooled[t] ? result_.pooled[t]->upper
                                  : size->interval(result_.confidence).high;
@@ -238,8 +237,8 @@ class Unit {
         const PooledError pooled =
             pooled_error(prior, audits_[t], job_.quality.evidence.confidence);
         result_.pooled[t] = pooled;
-        const bool tells = static_cast<double>(ratio->draws) >=
-                           kTellingDraws * prior.draw_cv * prior.draw_cv;
+        const bool tells =
+            static_cast<double>(ratio->draws) >= kTellingDraws * prior.draw_cv * prior.draw_cv;
         if (tells && own_meets) return EvidenceOf::kProbe;
         const double allowed = *largest_size(target);
         const double near_end = error_size(target.metric, error)->interval(result_.confidence).low;
@@ -278,8 +277,8 @@ class Unit {
             .rays = rays,
             .least_pixels = kLeastAuditPixels,
             .most_pixels = static_cast<int>(render_.aux.size()),
-            .windows = ssim ? std::max(kMinAuditWindows, static_cast<int>(rays) /
-                                                             (2 * grid * grid * kWindowPixels))
+            .windows = ssim ? std::max(kMinAuditWindows,
+                                       static_cast<int>(rays) / (2 * grid * grid * kWindowPixels))
                             : 0,
             .window_grid = grid,
             .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
@@ -288,8 +287,7 @@ class Unit {
             .key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look})};
         if (irradiance) {
             spec.truth_grid = grid;
-            spec.pixels =
-                irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
+            spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
         }
         return audit_cubemap(spec, cancel_);
     }
@@ -387,7 +385,7 @@ class Unit {
     Vec3 origin_;
     CubemapRender render_;
     Cubemap as_written_;
-    double render_mse_;  // what the pilot found for the settings of the render
+    double render_mse_;                 // what the pilot found for the settings of the render
     std::vector<AuditedRatio> audits_;  // all of this probe, one per target
     ProbeResult result_;
 };

@@ -56,8 +56,8 @@ struct ProbeResult {
     std::vector<std::optional<PooledError>> pooled;
     /// First looks, one per target, for the priors of further probes.
     std::vector<std::optional<AuditedRatio>> first_look;
-    CostStats decision_cost;    // of the audits of looks before
-    bool is_float = false;      // a value of a file did not fit into HALF
+    CostStats decision_cost;  // of the audits of looks before
+    bool is_float = false;    // a value of a file did not fit into HALF
     bool inside_voxel = false;
     double far_m = 0.0;  // effective
     double wall_seconds = 0.0;

@@ -56,11 +56,11 @@ AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& aud
     const auto now = static_cast<double>(audit.draws);
     const double scale = audit.predicted / all.predicted;
     const double share = now / (before + now);
-    return {.predicted = audit.predicted,
-            .measured = share * audit.measured + (1.0 - share) * scale * all.measured,
-            .variance = square(share) * audit.variance +
-                        square((1.0 - share) * scale) * all.variance,
-            .draws = all.draws + audit.draws};
+    return {
+        .predicted = audit.predicted,
+        .measured = share * audit.measured + (1.0 - share) * scale * all.measured,
+        .variance = square(share) * audit.variance + square((1.0 - share) * scale) * all.variance,
+        .draws = all.draws + audit.draws};
 }
 
 PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence) {

@@ -26,13 +26,13 @@ namespace probebake {
 
 /// Of actual over predicted mean squared error.
 struct ErrorPrior {
-    double ratio = 1.0;   // mean over the probes
-    double spread = 1.0;  // relative standard deviation, what is not known of `ratio` included
-    double draw_cv = 4.0; // relative standard deviation of one audited pixel
+    double ratio = 1.0;    // mean over the probes
+    double spread = 1.0;   // relative standard deviation, what is not known of `ratio` included
+    double draw_cv = 4.0;  // relative standard deviation of one audited pixel
 };
 
-/// How far probes of a job differ, by the scenes of docs/results/calibration.md, until the job's own
-/// audits tell.
+/// How far probes of a job differ, by the scenes of docs/results/calibration.md, until the job's
+/// own audits tell.
 inline constexpr double kUsualSpread = 0.4;
 
 /// An audit beside the renderer's prediction.

@@ -44,8 +44,8 @@ JobSpec part_of(const JobSpec& job, const LightingState& state) {
     const double share =
         static_cast<double>(pixel_count(part)) / static_cast<double>(pixel_count(job));
     if (part.budget.rays) {
-        part.budget.rays = static_cast<uint64_t>(
-            std::ceil(share * static_cast<double>(*part.budget.rays)));
+        part.budget.rays =
+            static_cast<uint64_t>(std::ceil(share * static_cast<double>(*part.budget.rays)));
     }
     return part;
 }
@@ -71,8 +71,8 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
     const auto lit = static_cast<uint64_t>(
         std::count_if(job.states.begin(), job.states.end(),
                       [](const LightingState& state) { return state.lit(); }));
-    const double pixels = static_cast<double>(pixel_count(job)) /
-                          static_cast<double>(job.states.size());
+    const double pixels =
+        static_cast<double>(pixel_count(job)) / static_cast<double>(job.states.size());
     for (const LightingState& state : job.states) {
         if (state.lit()) {
             forecast.lighting_seconds +=
@@ -99,8 +99,8 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
     }
     forecast.seconds += forecast.lighting_seconds;
     if (job.budget.seconds) forecast.seconds = std::min(forecast.seconds, *job.budget.seconds);
-    const uint64_t units_at_once = std::min<uint64_t>(static_cast<uint64_t>(threads),
-                                                      plan.work_units);
+    const uint64_t units_at_once =
+        std::min<uint64_t>(static_cast<uint64_t>(threads), plan.work_units);
     forecast.memory_bytes = kProcessBytes + std::max(scene.load.build.peak_bytes,
                                                      plan.scene_bytes + plan.light_bytes +
                                                          units_at_once * plan.bytes_per_unit);
@@ -109,12 +109,12 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
 }
 
 Json write_forecast(const Forecast& forecast) {
-    return {{"seconds", forecast.seconds},
-            {"seconds_range",
-             {forecast.seconds / kSecondsFactor, forecast.seconds * kSecondsFactor}},
-            {"lighting_seconds", forecast.lighting_seconds},
-            {"memory_bytes", forecast.memory_bytes},
-            {"output_bytes", forecast.output_bytes}};
+    return {
+        {"seconds", forecast.seconds},
+        {"seconds_range", {forecast.seconds / kSecondsFactor, forecast.seconds * kSecondsFactor}},
+        {"lighting_seconds", forecast.lighting_seconds},
+        {"memory_bytes", forecast.memory_bytes},
+        {"output_bytes", forecast.output_bytes}};
 }
 
 }  // namespace probebake

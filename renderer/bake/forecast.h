@@ -1,9 +1,10 @@
 // What a job will take, before it is baked: seconds, memory, bytes of files.
 //
 // A few of its probes are piloted and baked, with faces of at most 64 pixels, and what they took is
-// scaled to the whole job by its pixels. Lit states are taken for unlit ones, so that nothing has to
-// be lit: what lighting takes is counted from the exposed faces and the shadow rays that each gets.
-// Seconds depend on what else the machine does meanwhile; docs/results/calibration.md has figures.
+// scaled to the whole job by its pixels. Lit states are taken for unlit ones, so that nothing has
+// to be lit: what lighting takes is counted from the exposed faces and the shadow rays that each
+// gets. Seconds depend on what else the machine does meanwhile; docs/results/calibration.md has
+// figures.
 #pragma once
 
 #include "bake/plan.h"

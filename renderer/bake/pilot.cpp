@@ -55,8 +55,8 @@ class Search {
     /// cheapest first, and which of it was chosen.
     std::pair<std::vector<Candidate>, size_t> run(Pilot& pilot) {
         std::vector<Candidate> all = compare(pilot);
-        size_t chosen = pays_by_price() && !ray_target() ? first_by_estimate(all)
-                                                         : cheapest_that_meets(all);
+        size_t chosen =
+            pays_by_price() && !ray_target() ? first_by_estimate(all) : cheapest_that_meets(all);
         pilot.expectation = Expectation::kTargetMet;
         if (chosen == all.size()) {
             --chosen;  // the finest there is
@@ -94,8 +94,8 @@ class Search {
   private:
     /// Whether probes are refined until their own predictions say so.
     bool steers(const Pilot& pilot) const {
-        return pilot.expectation == Expectation::kTargetMet && !ray_target() &&
-               !job_.budget.rays && pilot.settings.price > 0.0;
+        return pilot.expectation == Expectation::kTargetMet && !ray_target() && !job_.budget.rays &&
+               pilot.settings.price > 0.0;
     }
 
     std::vector<std::optional<Steering>> steering(const Candidate& chosen) const {
@@ -265,9 +265,7 @@ class Search {
         return true;
     }
 
-    bool ray_target() const {
-        return only_target(job_.quality, QualityTarget::Metric::kRays);
-    }
+    bool ray_target() const { return only_target(job_.quality, QualityTarget::Metric::kRays); }
     double confidence() const {
         return pays_by_price() ? kPilotConfidence : job_.quality.evidence.confidence;
     }

@@ -25,8 +25,8 @@ uint64_t pilot_pixels(const JobSpec& job);
 /// throw Cancelled.
 class PilotSample {
   public:
-    /// Draws the pixels of up to 64 probes, half a per cent of the job within bounds; whole windows of
-    /// SSIM where that is the target. Casts their truth and finds the exposure.
+    /// Draws the pixels of up to 64 probes, half a per cent of the job within bounds; whole windows
+    /// of SSIM where that is the target. Casts their truth and finds the exposure.
     PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
                 const CancelToken& cancel);
 

@@ -145,8 +145,8 @@ bool bound_meets(const QualityTarget& target, const MeasuredError& error, double
 }
 
 bool estimate_meets(const QualitySpec& quality, const MeasuredError& error) {
-    return targets_meet(
-        quality, [&](const QualityTarget& target) { return estimate_meets(target, error); });
+    return targets_meet(quality,
+                        [&](const QualityTarget& target) { return estimate_meets(target, error); });
 }
 
 bool bound_meets(const QualitySpec& quality, const MeasuredError& error, double confidence) {

@@ -201,7 +201,7 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
                   {{"pixels", pilot.pixels},
                    {"candidates", pilot.candidates},
                    {"truth_grid", pilot.truth_grid},
-                  {"steering", write_steering(pilot)},
+                   {"steering", write_steering(pilot)},
                    {"wall_seconds", pilot.wall_seconds}}},
                  {"results", verdicts},
                  {"cost", costs.write()},

@@ -205,10 +205,10 @@ std::string plot(const std::vector<Point>& points, const Measure& measure) {
         const double at = x.at(point.seconds);
         const double bar = point.low > 0.0 ? y.at(point.low) : bottom;
         svg += line(at, bar, at, y.at(point.high), "interval");
-        svg += "<circle cx=\"" + pixels(at) + "\" cy=\"" + pixels(y.at(point.error)) +
-               "\" r=\"" + (point.chosen ? "6" : "4") + "\" class=\"" +
-               (point.chosen ? "chosen" : "point") + "\"><title>" + point.title + ": " +
-               number(point.error) + " in " + number(point.seconds) + " s</title></circle>\n";
+        svg += "<circle cx=\"" + pixels(at) + "\" cy=\"" + pixels(y.at(point.error)) + "\" r=\"" +
+               (point.chosen ? "6" : "4") + "\" class=\"" + (point.chosen ? "chosen" : "point") +
+               "\"><title>" + point.title + ": " + number(point.error) + " in " +
+               number(point.seconds) + " s</title></circle>\n";
     }
     svg += label((kLeft_px + right) / 2.0, kHeight_px - 10.0, "middle",
                  "seconds of one thread on the pilot's pixels");
@@ -295,13 +295,13 @@ std::string page(const Json& report) {
         wanted += text_of(one.at("metric")) + " " + number(one.at("value"), 6);
     }
     const std::string name = text_of(scene.at("name"));
-    std::string html =
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + name +
-        ": report</title><style>" + kStyle + "</style></head><body>\n<h1>" + name + "</h1>\n<p>" +
-        number(scene.at("voxels"), 12) + " voxels. Target " + wanted + " against " +
-        text_of(target.at("against")) + ", confidence " + number(target.at("confidence"), 4) + ". " +
-        number(totals.at("cubemaps"), 9) + " cubemaps in " + number(totals.at("wall_seconds")) +
-        " s of wall time.</p>\n";
+    std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
+                       name + ": report</title><style>" + kStyle + "</style></head><body>\n<h1>" +
+                       name + "</h1>\n<p>" + number(scene.at("voxels"), 12) + " voxels. Target " +
+                       wanted + " against " + text_of(target.at("against")) + ", confidence " +
+                       number(target.at("confidence"), 4) + ". " +
+                       number(totals.at("cubemaps"), 9) + " cubemaps in " +
+                       number(totals.at("wall_seconds")) + " s of wall time.</p>\n";
     for (const Json& state : report.at("states")) html += state_section(state, target);
     if (!report.at("warnings").empty()) {
         html += "<h2>Warnings</h2>\n<ul>\n";

@@ -1,9 +1,9 @@
-// The report as a page to look at: the curve of error against run time of every state, log-log, with
-// its target, and the figures beside it.
+// The report as a page to look at: the curve of error against run time of every state, log-log,
+// with its target, and the figures beside it.
 //
-// One self-contained HTML document with inline SVG: no scripts, nothing loaded from elsewhere, every
-// text from the report escaped. Made from the JSON alone (docs/report.md), so that a downloaded
-// report gives the same page as the service.
+// One self-contained HTML document with inline SVG: no scripts, nothing loaded from elsewhere,
+// every text from the report escaped. Made from the JSON alone (docs/report.md), so that a
+// downloaded report gives the same page as the service.
 #pragma once
 
 #include <string>

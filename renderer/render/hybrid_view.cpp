@@ -113,9 +113,12 @@ class HybridView {
     };
 
     static Kept kept(int x, int y, const HybridPixel& pixel) {
-        return {x,          y,
-                pixel.stage, pixel.sums,
-                pixel.evidence, predicted_gain(pixel.stage, pixel.evidence)};
+        return {x,
+                y,
+                pixel.stage,
+                pixel.sums,
+                pixel.evidence,
+                predicted_gain(pixel.stage, pixel.evidence)};
     }
 
     bool renders(int x, int y) const {

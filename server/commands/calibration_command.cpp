@@ -35,8 +35,7 @@ int calibration(const CalibrationOptions& options) {
                   << '\n';
         return 0;
     }
-    std::cout << outcome.computed << " jobs computed, " << outcome.found
-              << " were there already\n";
+    std::cout << outcome.computed << " jobs computed, " << outcome.found << " were there already\n";
     for (const std::string& left : outcome.left_out) std::cout << "left out: " << left << '\n';
     std::cout << "report: " << (options.study.out / "report.md").string() << '\n';
     return 0;

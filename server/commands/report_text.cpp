@@ -53,8 +53,8 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
     }
     std::string text = "scene " + scene["name"].get<std::string>() + ": " +
                        grouped(scene["voxels"]) + " voxels, " + grouped(scene["octree_nodes"]) +
-                       " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " +
-                       wanted + " against " + target["against"].get<std::string>() + "\n\n";
+                       " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " + wanted +
+                       " against " + target["against"].get<std::string>() + "\n\n";
 
     Table table({"probe/state", "result", "evidence",
                  metric == "irradiance_rel" ? metric : "dB or SSIM", "rays/px", "rays", "steps",

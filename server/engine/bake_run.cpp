@@ -12,7 +12,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-
 double seconds_between(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
 }
@@ -103,9 +102,8 @@ class BakeRun {
             const size_t i = begin + k;
             params_.cancel.throw_if_cancelled();
             // Probe by probe, so that a probe's states end together.
-            const UnitParams unit{.probe = i / job_.states.size(),
-                                  .out_of_time = out_of_time(),
-                                  .teaches = teach};
+            const UnitParams unit{
+                .probe = i / job_.states.size(), .out_of_time = out_of_time(), .teaches = teach};
             ProbeResult result =
                 bake_probe(*scene_, job_, pilots_[i % job_.states.size()], unit, params_.cancel);
             publish(i, std::move(result));

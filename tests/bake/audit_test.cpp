@@ -79,8 +79,8 @@ TEST_F(AuditTest, EstimatesTheErrorOfTheWholeCubeWithoutBias) {
     }
 }
 
-// Relative errors are biased by the noise of the truth in their denominator; 300 audits of a cubemap
-// see a bias of 10 %.
+// Relative errors are biased by the noise of the truth in their denominator; 300 audits of a
+// cubemap see a bias of 10 %.
 TEST_F(AuditTest, EstimatesTheRelativeErrorOfTheWholeCube) {
     const CubemapRender render = this->render({.kind = RendererKind::kLod});
     const Cubemap as_written = rounded_to_file(render.color);

@@ -9,8 +9,8 @@
 #include "bake/bake_fixture.h"
 #include "image/exr.h"
 #include "image/metrics.h"
-#include "render/render.h"
 #include "io/sha256.h"
+#include "render/render.h"
 
 namespace probebake {
 namespace {
@@ -195,10 +195,10 @@ TEST_F(BakeProbeTest, RelativeErrorIsATarget) {
     const ProbeResult result = bake(job);
     EXPECT_TRUE(result.target_met);
     const RenderScene what = render_scene(scene_, job.probes[0], LightingState::kAlbedo);
-    const Cubemap truth = render_cubemap(what, scene_.to_voxels(job.probes[0].position_m), 16,
-                                         {.kind = RendererKind::kReference, .leaf_grid = 32},
-                                         cancel_)
-                              .color;
+    const Cubemap truth =
+        render_cubemap(what, scene_.to_voxels(job.probes[0].position_m), 16,
+                       {.kind = RendererKind::kReference, .leaf_grid = 32}, cancel_)
+            .color;
     const Cubemap cube = decode_cubemap(result.files[0].bytes, "cube.exr").cubemap;
     EXPECT_LT(*compare_cubemaps(cube, truth, 1.0).cube.rel_mse, 0.01);
 }

@@ -20,7 +20,8 @@ TEST(Forecast, GrowsWithTheJob) {
     EXPECT_GT(small.seconds, 0.0);
     EXPECT_GT(large.seconds, small.seconds);
     EXPECT_NEAR(static_cast<double>(large.output_bytes),
-                10.0 * static_cast<double>(small.output_bytes), 0.2 * static_cast<double>(large.output_bytes));
+                10.0 * static_cast<double>(small.output_bytes),
+                0.2 * static_cast<double>(large.output_bytes));
     EXPECT_GE(large.memory_bytes, small.memory_bytes);
     Json request = test::small_request(4);
     request["budget"]["seconds"] = 1e-3;

@@ -52,8 +52,9 @@ TEST(ReportPage, TheTargetLiesWhereItBelongs) {
         return page.substr(at, page.find('"', at) - at);
     };
     // A point on the target lies on its line.
-    EXPECT_EQ(after("<circle", "cy"), page.substr(page.rfind("y1=\"", page.find("class=\"target\"")) + 4,
-                                                after("<circle", "cy").size()));
+    EXPECT_EQ(after("<circle", "cy"),
+              page.substr(page.rfind("y1=\"", page.find("class=\"target\"")) + 4,
+                          after("<circle", "cy").size()));
 }
 
 TEST(ReportPage, EscapesWhatItShows) {

@@ -246,7 +246,8 @@ TEST_F(ShTest, RequestsForIrradiance) {
     Json request = test::small_request();
     request["products"] = {"sh"};
     request["quality"].erase("targets");
-    EXPECT_EQ(read_job(request).quality.targets.front().metric, QualityTarget::Metric::kIrradianceRel);
+    EXPECT_EQ(read_job(request).quality.targets.front().metric,
+              QualityTarget::Metric::kIrradianceRel);
     request["products"] = {"cube", "sh"};
     EXPECT_EQ(read_job(request).quality.targets.front().metric, QualityTarget::Metric::kPsnrDb);
     request["quality"] = {{"targets", {{"irradiance_rel", 0.02}}}, {"renderer", "hybrid"}};

@@ -191,8 +191,8 @@ Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
         rows[i] = row_of(results[i], truth, priced[i], allowed);
     });
     const auto most_meet = [&](const std::vector<double>& mse) {
-        const auto meeting = std::count_if(mse.begin(), mse.end(),
-                                           [&](double one) { return one <= allowed; });
+        const auto meeting =
+            std::count_if(mse.begin(), mse.end(), [&](double one) { return one <= allowed; });
         return static_cast<double>(meeting) >= kShareThatMeets * static_cast<double>(mse.size());
     };
     const auto mean_meets = [&](const std::vector<double>& mse) {

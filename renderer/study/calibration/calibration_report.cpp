@@ -151,12 +151,11 @@ TextTable promises(const Json& summary) {
                                 "of these, do meet it", "of all, meet it", "own intervals cover",
                                 "intervals with the job's audits cover"}};
     for (const auto& [name, group] : summary.items()) {
-        table.rows.push_back({name, grouped_digits(group["results"]),
-                              grouped_digits(group["said_met"]),
-                              grouped_digits(group["by_the_probe"]),
-                              share_text(group["met_where_said"]), share_text(group["met"]),
-                              share_text(group["own_interval_covers"]),
-                              share_text(group["pooled_interval_covers"])});
+        table.rows.push_back(
+            {name, grouped_digits(group["results"]), grouped_digits(group["said_met"]),
+             grouped_digits(group["by_the_probe"]), share_text(group["met_where_said"]),
+             share_text(group["met"]), share_text(group["own_interval_covers"]),
+             share_text(group["pooled_interval_covers"])});
     }
     return table;
 }
@@ -186,12 +185,12 @@ TextTable costs(const Json& summary) {
     for (const auto& [name, group] : summary.items()) {
         const Json& each = group["over_cheapest_of_each"];
         const Json& one = group["over_one_price"];
-        table.rows.push_back(
-            {name, number(group["audit_over_render"], 3), number(group["pilot_over_render"], 3),
-             number(each["render"], 2), number(each["with_audit"], 2),
-             number(each["with_audit_and_pilot"], 2), number(one["render"], 2),
-             number(one["with_audit"], 2), number(one["with_audit_and_pilot"], 2),
-             number(group["over_one_price_for_the_mean"]["render"], 2)});
+        table.rows.push_back({name, number(group["audit_over_render"], 3),
+                              number(group["pilot_over_render"], 3), number(each["render"], 2),
+                              number(each["with_audit"], 2),
+                              number(each["with_audit_and_pilot"], 2), number(one["render"], 2),
+                              number(one["with_audit"], 2), number(one["with_audit_and_pilot"], 2),
+                              number(group["over_one_price_for_the_mean"]["render"], 2)});
     }
     return table;
 }

@@ -20,7 +20,7 @@ constexpr size_t kProbesToLearnFrom = 16;
 constexpr int kMaxLooks = 6;
 /// Of a render's rays, what an audit of it may cast.
 constexpr double kAuditShare = 0.07;
-constexpr double kTeachingShare = 0.2;
+constexpr double kTeachingShare = 0.3;
 /// An audit tells by itself from so many draws on, over the square of a draw's relative standard
 /// deviation: its own is within 0.3 then.
 constexpr double kTellingDraws = 12.0;

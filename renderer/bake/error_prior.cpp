@@ -19,10 +19,12 @@ ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio>
     double count = 0.0;
     double ratio = 0.0;
     double variance_per_draw = 0.0;
+    double per_draw = 0.0;
     double noise = 0.0;  // variance of a measured ratio for its audit's sake, mean
     for (const AuditedRatio& audit : audits) {
         if (!(audit.predicted > 0.0) || audit.draws < 2) continue;
         count += 1.0;
+        per_draw += 1.0 / static_cast<double>(audit.draws);
         ratio += audit.measured / audit.predicted;
         const double variance = audit.variance / square(audit.predicted);
         noise += variance;
@@ -41,13 +43,15 @@ ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio>
     const double weight = count / (count + kUsualProbes);
     const double own = std::max(0.0, scatter - noise) / square(ratio);
     const double between = weight * own + (1.0 - weight) * square(kUsualSpread);
-    const double of_ratio = (between + noise / square(ratio)) / count;
-    const double draw_cv = std::sqrt(weight * variance_per_draw / square(ratio) +
-                                     (1.0 - weight) * square(before.draw_cv));
+    // A sample of heavy tails shows too little of them rather than too much.
+    const double draw_cv =
+        std::max(before.draw_cv, std::sqrt(weight * variance_per_draw / square(ratio) +
+                                           (1.0 - weight) * square(before.draw_cv)));
+    const double of_audit = std::max(noise / square(ratio), square(draw_cv) * per_draw / count);
+    const double of_ratio = (between + of_audit) / count;
     return {.ratio = ratio,
             .spread = std::max(kSmallestSpread, std::sqrt(between + of_ratio)),
-            // A sample of heavy tails shows too little of them rather than too much.
-            .draw_cv = std::max(before.draw_cv, draw_cv)};
+            .draw_cv = draw_cv};
 }
 
 AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& audit) {

@@ -27,7 +27,7 @@ constexpr double kPilotConfidence = 0.7;
 constexpr double kFirstAim = 0.65;
 /// Relative standard deviation of an audited pixel where nothing is known: of squared errors on the
 /// scenes of docs/results/calibration.md.
-constexpr double kUsualDrawCv = 4.0;
+constexpr double kUsualDrawCv = 5.0;
 constexpr double kLargestSpread = 2.0;
 
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not

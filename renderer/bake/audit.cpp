@@ -16,6 +16,8 @@ constexpr double kUniformShare = 0.5;
 /// Side of a truth's grid over the root of a pixel's rays, and its least.
 constexpr double kTruthPerRay = 1.1;
 constexpr int kLeastTruthGrid = 2;
+/// Where the truth divides the error, too, its noise biases.
+constexpr int kLeastRelativeGrid = 8;
 
 /// Largest squared difference of luminance to the four neighbours on the face.
 double contrast(const Cubemap& cube, const CubePixel& p) {
@@ -43,7 +45,7 @@ double predicted(const AuditSpec& spec, size_t i, const CubePixel& pixel) {
 /// Rays per side of one estimate of a pixel's truth.
 int truth_grid(const AuditSpec& spec, size_t i) {
     if (spec.truth_grid) return *spec.truth_grid;
-    const int least = spec.rel_mse ? kTruthGrids.front() : kLeastTruthGrid;
+    const int least = spec.rel_mse ? kLeastRelativeGrid : kLeastTruthGrid;
     const double rays = static_cast<double>(spec.aux[i].samples);
     return std::clamp(static_cast<int>(std::ceil(kTruthPerRay * std::sqrt(rays))), least,
                       kTruthGrids.back());

@@ -24,6 +24,8 @@ constexpr double kTeachingShare = 0.3;
 /// An audit tells by itself from so many draws on, over the square of a draw's relative standard
 /// deviation: its own is within 0.3 then.
 constexpr double kTellingDraws = 12.0;
+constexpr double kLeafRaysShare = 0.1;
+constexpr double kLeafRaysConfidence = 0.7;
 constexpr int kLeastAuditPixels = 24;
 constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
@@ -159,13 +161,20 @@ class Unit {
                                 cancel_, ray_limit(job_, probe_)));
             if (!audits()) return;
             look();
-            if (result_.target_met || !may_look_again(next)) return;
+            if (good_enough() || !may_look_again(next)) return;
             next = next_finer(next, result_.certificate.error);
             result_.earlier_renders += render_.total();
             render_mse_ = pilot_.finer[next].mse;
             result_.settings = pilot_.finer[next++].settings;
             ++result_.looks;
         }
+    }
+
+    /// Where the mean of all probes may speak for a probe, it need not be sure itself.
+    bool good_enough() const {
+        return result_.target_met ||
+               (wants_leaf_rays_only(job_) &&
+                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence));
     }
 
     bool may_look_again(size_t next) const {
@@ -263,7 +272,8 @@ class Unit {
         const int grid = wants_leaf_rays_only(job_)
                              ? irradiance_truth_grid(result_.settings.leaf_grid)
                              : pilot_.truth_grid;
-        const double share = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
+        const double one_shot = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
+        const double share = wants_leaf_rays_only(job_) ? kLeafRaysShare : one_shot;
         const double rays = share * static_cast<double>(render_.total().all_rays());
         AuditSpec spec{
             .scene = render_scene_,

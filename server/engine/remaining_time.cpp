@@ -28,7 +28,7 @@ RemainingTime UnitTimes::left(double elapsed_seconds, double units, double pixel
                             student_t_quantile(0.5 + kConfidence / 2.0, k - 1.0);
     const double share = std::hypot(of_units, kMachineShare);
     return {seconds,
-            {seconds * std::max(1.0 / (1.0 + share), 1.0 - share), seconds * (1.0 + share)}};
+            {seconds * std::max(0.0, 1.0 - share), seconds * (1.0 + share)}};
 }
 
 }  // namespace probebake

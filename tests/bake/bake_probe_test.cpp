@@ -49,8 +49,10 @@ TEST_F(BakeProbeTest, TheFileHoldsTheCubemapAndWhatIsKnownOfIt) {
     EXPECT_EQ(attributes.scene_sha256, scene_.sha256);
     EXPECT_EQ(attributes.seed, 7u);
     EXPECT_TRUE(attributes.valid);
-    const double mse = result.certificate.error.mse.value;
-    EXPECT_NEAR(attributes.numbers.at("probe:err:rmse"), std::sqrt(mse), 1e-12);
+    const PooledError& known = *result.pooled.front();
+    EXPECT_NEAR(attributes.numbers.at("probe:err:rmse"), std::sqrt(known.value), 1e-12);
+    EXPECT_NEAR(attributes.numbers.at("probe:err:rmseHigh"), std::sqrt(known.interval.high), 1e-12);
+    EXPECT_EQ(attributes.texts.at("probe:err:evidence"), name_of(result.evidence));
     EXPECT_EQ(attributes.numbers.at("probe:err:pixels"),
               static_cast<double>(result.certificate.pixels));
 

@@ -15,8 +15,10 @@ TEST(Forecast, GrowsWithTheJob) {
     const auto forecast = [&](const JobSpec& job) {
         return make_forecast(scene, job, make_plan(scene, job), 2, cancel);
     };
-    const Forecast small = forecast(test::small_job(4));
-    const Forecast large = forecast(test::small_job(40));
+    JobSpec many = test::small_job(4);
+    const Forecast small = forecast(many);
+    for (int i = 4; i < 40; ++i) many.probes.push_back(many.probes[static_cast<size_t>(i % 4)]);
+    const Forecast large = forecast(many);
     EXPECT_GT(small.seconds, 0.0);
     EXPECT_GT(large.seconds, small.seconds);
     EXPECT_NEAR(static_cast<double>(large.output_bytes),

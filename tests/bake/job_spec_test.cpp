@@ -89,7 +89,7 @@ TEST(JobSpec, ReadsSeveralTargetsAndWhichOfThemCount) {
     EXPECT_EQ(job.quality.require, Require::kAny);
     EXPECT_EQ(write_job(read_job(write_job(job))), write_job(job));
     request["quality"]["require"] = "most";
-    EXPECT_EQ(problem_of(request).substr(0, 21), "422 /quality/require:");
+    EXPECT_EQ(problem_of(request).substr(0, 21), "400 /quality/require:");
 }
 
 TEST(JobSpec, SaysWhereAndWhatWasExpected) {

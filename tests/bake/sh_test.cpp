@@ -171,8 +171,8 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     }
     const Pilot pilot = this->pilot(job);
     EXPECT_TRUE(pilot.curve.empty());
-    // Two rays of truth in each of the sample's 512 pixels, for the exposure.
-    EXPECT_EQ(pilot.search_cost.all_rays(), 1024U);
+    // Two rays of truth in each of the sample's 384 pixels, for the exposure.
+    EXPECT_EQ(pilot.search_cost.all_rays(), 768U);
     const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
     EXPECT_EQ(result.settings, (RenderSettings{.kind = RendererKind::kReference, .leaf_grid = 1}));
     EXPECT_EQ(result.looks, 1);

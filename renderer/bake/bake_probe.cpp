@@ -8,8 +8,8 @@
 #include "bake/sh_file.h"
 #include "image/exr.h"
 #include "image/layouts.h"
+#include "image/specular.h"
 #include "image/ssim.h"
-#include "io/sha256.h"
 #include "render/hybrid.h"
 #include "render/hybrid_view.h"
 
@@ -51,7 +51,12 @@ class Unit {
           cancel_(cancel),
           render_scene_(render_scene(scene, probe_, pilot.state)),
           origin_(scene.to_voxels(probe_.position_m)),
-          render_mse_(pilot.settings_mse) {}
+          render_mse_(pilot.settings_mse) {
+        if (job.products.ddgi) {
+            render_scene_.near_limit =
+                ddgi_max_distance_m(*grid_of(job, params.probe)) / scene.voxel_size_m;
+        }
+    }
 
     ProbeResult run() {
         const auto start = std::chrono::steady_clock::now();
@@ -303,21 +308,11 @@ class Unit {
     }
 
     ProbeAttributes attributes() const {
-        ProbeAttributes out;
-        out.owner = "probebake " PROBEBAKE_VERSION;
+        ProbeAttributes out = state_attributes(scene_, job_, pilot_.state);
         out.id = probe_.id;
-        out.state = name_of(pilot_.state.spec);
         out.position_m = probe_.position_m;
         out.near_m = probe_.near_m;
         out.far_m = result_.far_m;
-        const bool albedo = pilot_.state.spec.kind == LightingState::Kind::kAlbedo;
-        out.unit = albedo ? "1" : "W.m^-2.sr^-1";
-        const StateLight* light = pilot_.state.light.get();
-        if (light != nullptr && !light->sky_sha256.empty()) {
-            out.texts["probe:skySha256"] = light->sky_sha256;
-        }
-        out.scene_sha256 = scene_.sha256;
-        out.seed = job_.seed;
         out.valid = !result_.inside_voxel;
         if (result_.certificate.pixels > 0) add_errors(out);
         return out;
@@ -361,6 +356,42 @@ class Unit {
                                            .confidence = result_.confidence,
                                            .probe = attributes}));
         }
+        if (job_.products.specular) add_specular(attributes);
+        if (job_.products.ddgi) result_.ddgi = ddgi_tile(render_.color, near_distances());
+    }
+
+    /// One file per mip; the audit's figures are those of the cube, not of these.
+    void add_specular(ProbeAttributes attributes) {
+        std::erase_if(attributes.texts,
+                      [](const auto& item) { return item.first.starts_with("probe:err:"); });
+        std::erase_if(attributes.numbers,
+                      [](const auto& item) { return item.first.starts_with("probe:err:"); });
+        const int n = probe_.face_size_px;
+        const int mips = specular_mips(n);
+        attributes.numbers["probe:specular:mips"] = mips;
+        std::optional<SphereFilter> filter;
+        if (mips > 1) filter.emplace(render_.color);
+        for (int mip = 0; mip < mips; ++mip) {
+            const double roughness = specular_roughness(mip, mips);
+            attributes.numbers["probe:specular:mip"] = mip;
+            attributes.numbers["probe:specular:roughness"] = roughness;
+            const Cubemap cube =
+                mip == 0 ? render_.color : specular_of(*filter, roughness * roughness, n >> mip);
+            add_cubemap("specular-" + std::to_string(mip) + ".exr",
+                        encode_cubemap(cube, attributes));
+        }
+    }
+
+    /// Means and mean squares for ddgi_tile.
+    Cubemap near_distances() const {
+        Cubemap distances(probe_.face_size_px);
+        const double metre = scene_.voxel_size_m;
+        for (size_t i = 0; i < render_.aux.size(); ++i) {
+            const PixelAux& pixel = render_.aux[i];
+            distances.image().pixels()[i] = Rgb(Vec3(
+                pixel.near_distance * metre, pixel.squared_near_distance * metre * metre, 0.0));
+        }
+        return distances;
     }
 
     CubeAux aux() const {
@@ -380,9 +411,7 @@ class Unit {
     }
 
     void add_file(std::string name, std::vector<std::byte> bytes) {
-        std::string sha256 = sha256_hex(bytes);
-        const uint64_t size_bytes = bytes.size();
-        result_.files.push_back({std::move(name), std::move(bytes), size_bytes, std::move(sha256)});
+        result_.files.push_back(make_product_file(std::move(name), std::move(bytes)));
     }
 
     const Scene& scene_;
@@ -427,6 +456,19 @@ CostStats ProbeResult::render_cost() const {
     CostStats total;
     for (const CostStats& face : faces) total += face;
     return total;
+}
+
+ProbeAttributes state_attributes(const Scene& scene, const JobSpec& job, const ReadyState& state) {
+    ProbeAttributes out;
+    out.owner = "probebake " PROBEBAKE_VERSION;
+    out.state = name_of(state.spec);
+    out.unit = state.spec.kind == LightingState::Kind::kAlbedo ? "1" : "W.m^-2.sr^-1";
+    out.scene_sha256 = scene.sha256;
+    out.seed = job.seed;
+    if (state.light != nullptr && !state.light->sky_sha256.empty()) {
+        out.texts["probe:skySha256"] = state.light->sky_sha256;
+    }
+    return out;
 }
 
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,

@@ -17,17 +17,10 @@
 #include <vector>
 
 #include "bake/audit.h"
+#include "bake/ddgi.h"
 #include "bake/pilot.h"
 
 namespace probebake {
-
-/// A file of a probe, ready to be stored.
-struct ProductFile {
-    std::string name;  // "cube.exr", "sh.json"
-    std::vector<std::byte> bytes;
-    uint64_t size_bytes = 0;  // known when the bytes are given away, too
-    std::string sha256;
-};
 
 /// Whose evidence a verdict stands on.
 enum class EvidenceOf {
@@ -62,6 +55,7 @@ struct ProbeResult {
     double far_m = 0.0;  // effective
     double wall_seconds = 0.0;
     std::vector<ProductFile> files;
+    std::optional<DdgiTile> ddgi;  // where that is a product
 
     CostStats render_cost() const;
 };
@@ -89,6 +83,9 @@ void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult
 /// Throws Cancelled.
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel);
+
+/// What the headers of all files of a job's state say: owner, state, scene, sky, seed, unit.
+ProbeAttributes state_attributes(const Scene& scene, const JobSpec& job, const ReadyState& state);
 
 /// Rays that a unit may cast, from the target and the budget; none: as many as its settings ask
 /// for.

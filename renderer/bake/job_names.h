@@ -18,10 +18,11 @@ inline constexpr std::array<std::string_view, 6> kRendererNames = {
     "reference", "lod", "adaptive", "error_aware", "hybrid", "auto"};
 inline constexpr std::array<std::string_view, 2> kWeightingNames = {"uniform", "solid_angle"};
 inline constexpr std::array<std::string_view, 2> kMissesNames = {"left_out", "black"};
-inline constexpr std::array<std::string_view, 5> kProductNames = {"cube", "aux", "latlong",
-                                                                  "gl_faces", "sh"};
+inline constexpr std::array<std::string_view, 7> kProductNames = {
+    "cube", "aux", "latlong", "gl_faces", "sh", "specular", "ddgi"};
 /// In the same order.
-inline constexpr std::array<bool Products::*, 5> kProductFlags = {
-    &Products::cube, &Products::aux, &Products::latlong, &Products::gl_faces, &Products::sh};
+inline constexpr std::array<bool Products::*, 7> kProductFlags = {
+    &Products::cube, &Products::aux,      &Products::latlong, &Products::gl_faces,
+    &Products::sh,   &Products::specular, &Products::ddgi};
 
 }  // namespace probebake

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "bake/ddgi.h"
 #include "bake/job_names.h"
 #include "bake/job_spec.h"
 #include "bake/state_json.h"
@@ -29,6 +30,7 @@ class JobReader {
         read_budget();
         root_.refuse_unknown();
         if (issues_.empty()) check_totals();
+        if (issues_.empty() && spec_.products.ddgi) check_ddgi();
         issues_.throw_if_any();
         return std::move(spec_);
     }
@@ -130,6 +132,7 @@ class JobReader {
             }
         }
         const IVec3 count(counts);
+        spec_.grids.push_back({id, origin_m, spacing_m, count, spec_.probes.size()});
         for (int k = 0; k < count.z; ++k) {
             for (int j = 0; j < count.y; ++j) {
                 for (int i = 0; i < count.x; ++i) {
@@ -192,8 +195,9 @@ class JobReader {
     /// Nothing but spherical harmonics: irradiance is what they are for.
     bool only_sh() const {
         const Products& products = spec_.products;
-        return products.sh && !products.cube && !products.aux && !products.latlong &&
-               !products.gl_faces;
+        return products.sh &&
+               std::count_if(kProductFlags.begin(), kProductFlags.end(),
+                             [&](bool Products::*flag) { return products.*flag; }) == 1;
     }
 
     void read_quality() {
@@ -337,6 +341,38 @@ class JobReader {
         if (spec_.budget.rays && *spec_.budget.rays < pixel_count(spec_)) {
             issues_.unacceptable("/budget/rays", "expected at least one ray per pixel, " +
                                                      std::to_string(pixel_count(spec_)));
+        }
+    }
+
+    /// An atlas is that of a grid, and an engine must be able to load it.
+    void check_ddgi() {
+        if (spec_.grids.empty() || spec_.grids[0].first_probe > 0) {
+            issues_.unacceptable("/probes/list",
+                                 "the product \"ddgi\" is an atlas of a grid: expected probes in "
+                                 "grids alone");
+            return;
+        }
+        for (size_t g = 0; g < spec_.grids.size(); ++g) {
+            const ProbeGrid& grid = spec_.grids[g];
+            const std::string pointer = "/probes/grids/" + std::to_string(g);
+            for (int axis = 0; axis < 3; ++axis) {
+                if (grid.spacing_m[axis] > 0.0) continue;
+                issues_.unacceptable(pointer + "/spacing_m/" + std::to_string(axis),
+                                     "the product \"ddgi\" expects more than 0");
+            }
+            const double tile = ddgi_tile_px(kDdgiDistance_px);
+            const double width = tile * grid.counts.x * grid.counts.y;
+            const double height = tile * grid.counts.z;
+            if (std::max(width, height) > limits_.max_atlas_px) {
+                issues_.unacceptable(pointer + "/counts",
+                                     "the atlas of distances would be more than " +
+                                         std::to_string(limits_.max_atlas_px) +
+                                         " texels wide (16 x y) or high (16 z)");
+            }
+            if (ids_.contains(grid.id)) {
+                issues_.unacceptable(pointer + "/id",
+                                     "is the id of a probe, too: their files would share a folder");
+            }
         }
     }
 

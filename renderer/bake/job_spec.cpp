@@ -10,12 +10,32 @@
 namespace probebake {
 namespace {
 
-Json write_probe(const ProbeSpec& probe) {
-    Json json = {{"id", probe.id},
-                 {"position_m", {probe.position_m.x, probe.position_m.y, probe.position_m.z}},
-                 {"face_size_px", probe.face_size_px},
-                 {"near_m", probe.near_m}};
+Json write_vector(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+void write_view(const ProbeSpec& probe, Json& json) {
+    json["face_size_px"] = probe.face_size_px;
+    json["near_m"] = probe.near_m;
     if (probe.far_m) json["far_m"] = *probe.far_m;
+}
+
+/// A grid stays a grid, however many probes it has.
+Json write_probes(const JobSpec& spec) {
+    Json json = {{"list", Json::array()}, {"grids", Json::array()}};
+    const size_t listed = spec.grids.empty() ? spec.probes.size() : spec.grids[0].first_probe;
+    for (size_t p = 0; p < listed; ++p) {
+        const ProbeSpec& probe = spec.probes[p];
+        Json item = {{"id", probe.id}, {"position_m", write_vector(probe.position_m)}};
+        write_view(probe, item);
+        json["list"].push_back(std::move(item));
+    }
+    for (const ProbeGrid& grid : spec.grids) {
+        Json item = {{"id", grid.id},
+                     {"origin_m", write_vector(grid.origin_m)},
+                     {"spacing_m", write_vector(grid.spacing_m)},
+                     {"counts", {grid.counts.x, grid.counts.y, grid.counts.z}}};
+        write_view(spec.probes[grid.first_probe], item);
+        json["grids"].push_back(std::move(item));
+    }
     return json;
 }
 
@@ -41,6 +61,13 @@ bool has_target(const QualitySpec& quality, QualityTarget::Metric metric) {
 
 bool only_target(const QualitySpec& quality, QualityTarget::Metric metric) {
     return quality.targets.size() == 1 && quality.targets.front().metric == metric;
+}
+
+const ProbeGrid* grid_of(const JobSpec& spec, size_t probe) {
+    for (const ProbeGrid& grid : spec.grids) {
+        if (probe >= grid.first_probe && probe - grid.first_probe < grid.size()) return &grid;
+    }
+    return nullptr;
 }
 
 std::string_view name_of(QualityTarget::Metric metric) {
@@ -75,6 +102,7 @@ Json write_settings(const RenderSettings& settings) {
         settings.kind == RendererKind::kHybrid) {
         json["leaf_grid"] = settings.leaf_grid;
     }
+    if (settings.shifted_grid) json["shifted_grid"] = true;
     if (settings.kind == RendererKind::kErrorAware && std::isfinite(settings.spread)) {
         json["spread"] = settings.spread;
     }
@@ -93,8 +121,7 @@ Json write_job(const JobSpec& spec) {
         json["lighting_states"].push_back(write_state_spec(state));
     }
     json["products"] = write_products(spec.products);
-    Json& list = json["probes"]["list"] = Json::array();
-    for (const ProbeSpec& probe : spec.probes) list.push_back(write_probe(probe));
+    json["probes"] = write_probes(spec);
 
     const QualitySpec& quality = spec.quality;
     Json& out = json["quality"];

@@ -26,6 +26,21 @@ struct ProbeSpec {
     std::optional<double> far_m;  // farther hits are misses; none: the whole world is seen
 };
 
+/// A regular grid of probes: (i, j, k) stands at origin + spacing · (i, j, k) and is the probe of
+/// index first_probe + i + counts.x (j + counts.y k), called {id}-{i}-{j}-{k}.
+struct ProbeGrid {
+    std::string id;
+    Vec3 origin_m{0.0};
+    Vec3 spacing_m{0.0};
+    IVec3 counts{1};
+    size_t first_probe = 0;
+
+    size_t size() const {
+        return static_cast<size_t>(counts.x) * static_cast<size_t>(counts.y) *
+               static_cast<size_t>(counts.z);
+    }
+};
+
 /// A quality target of a job.
 struct QualityTarget {
     enum class Metric {
@@ -85,12 +100,15 @@ struct Products {
     bool latlong = false;
     bool gl_faces = false;
     bool sh = false;
+    bool specular = false;
+    bool ddgi = false;  // of grids
 };
 
 struct JobSpec {
     std::string scene;
     std::vector<LightingState> states = {LightingState::kAlbedo};
-    std::vector<ProbeSpec> probes;
+    std::vector<ProbeSpec> probes;  // those of the list, then those of the grids
+    std::vector<ProbeGrid> grids;
     QualitySpec quality;
     BudgetSpec budget;
     Products products;
@@ -100,13 +118,14 @@ struct JobSpec {
 /// What a job may ask for at most; checked before anything is allocated.
 struct JobLimits {
     uint64_t max_probes = 65'536;
-    int min_face_size_px = 4;
+    int min_face_size_px = 1;
     int max_face_size_px = 4096;
     uint64_t max_texels = uint64_t{1} << 32;  // over all probes and states
     double max_position_m = 1e6;              // per axis
     int max_audit_pixels = 65'536;            // per probe
     uint64_t max_states = 16;
     uint64_t max_rays = uint64_t{1} << 50;
+    int max_atlas_px = 16'384;  // per side, of ddgi: what Direct3D 12 can load
 };
 
 /// Throws SpecError. Knows nothing of scenes: whether the named one exists is the caller's
@@ -117,6 +136,9 @@ Json write_job(const JobSpec& spec);
 /// Whether the job wants irradiance and leaves the way there to us: leaf rays, one per pixel to
 /// begin with, whose errors average out over the sphere.
 bool wants_leaf_rays_only(const JobSpec& spec);
+
+/// The grid that a probe belongs to; null for one of the list.
+const ProbeGrid* grid_of(const JobSpec& spec, size_t probe);
 
 std::string_view name_of(QualityTarget::Metric metric);
 std::string_view name_of(Against against);

@@ -317,11 +317,14 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
 /// square of an audit's interval that costs a share of its render (irradiance_truth_grid).
 void begin_with_one_ray(Pilot& pilot) {
     constexpr std::array kFiner = {2, 3, 4, 8, 16};
-    pilot.settings = {.kind = RendererKind::kReference, .leaf_grid = 1};
+    const auto shifted = [](int grid) {
+        return RenderSettings{
+            .kind = RendererKind::kReference, .leaf_grid = grid, .shifted_grid = true};
+    };
+    pilot.settings = shifted(1);
     pilot.settings_mse = 1.0;
     for (const int grid : kFiner) {
-        pilot.finer.push_back(
-            {{.kind = RendererKind::kReference, .leaf_grid = grid}, 1.0 / (grid * grid * grid)});
+        pilot.finer.push_back({shifted(grid), 1.0 / (grid * grid * grid)});
     }
 }
 

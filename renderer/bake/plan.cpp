@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "bake/ddgi.h"
 #include "bake/job_names.h"
 #include "bake/state_light.h"
 #include "image/cubemap.h"
+#include "image/sphere_filter.h"
 #include "render/render.h"
 
 namespace probebake {
@@ -52,6 +54,11 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
 /// What the hybrid renderer keeps of a pixel between two refinements (hybrid_view.h).
 constexpr uint64_t kKeptPixelBytes = 260;
 
+/// Of both atlases, uncompressed: RGB in HALF, two channels in FLOAT.
+constexpr uint64_t kDdgiBytesPerProbe =
+    6 * ddgi_tile_px(kDdgiIrradiance_px) * ddgi_tile_px(kDdgiIrradiance_px) +
+    8 * ddgi_tile_px(kDdgiDistance_px) * ddgi_tile_px(kDdgiDistance_px);
+
 /// Of all files together, uncompressed; a latlong has 8 N² pixels where a cube has 6 N².
 uint64_t bytes_per_texel(const Products& products) {
     constexpr uint64_t kHalfRgb = 6;
@@ -60,6 +67,7 @@ uint64_t bytes_per_texel(const Products& products) {
     if (products.aux) bytes += 6 * sizeof(float);
     if (products.latlong) bytes += kHalfRgb * 4 / 3;
     if (products.gl_faces) bytes += kHalfRgb;
+    if (products.specular) bytes += kHalfRgb * 4 / 3;
     return bytes;
 }
 
@@ -100,7 +108,13 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
         (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
          (plan.renderers.front() == RendererKind::kHybrid ? kKeptPixelBytes : 0) +
          (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
+    if (job.products.specular || job.products.ddgi) {
+        plan.bytes_per_unit += SphereFilter::memory_bytes(largest);
+    }
+    if (job.products.specular) plan.bytes_per_unit += unit_texels * sizeof(Rgb);
+    if (job.products.ddgi) plan.bytes_per_unit += unit_texels * sizeof(Rgb);
     plan.output_bytes = plan.texels * bytes_per_texel(job.products) + plan.work_units * 16384;
+    if (job.products.ddgi) plan.output_bytes += plan.work_units * kDdgiBytesPerProbe;
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;

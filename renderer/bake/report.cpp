@@ -155,6 +155,14 @@ struct Costs {
     }
 };
 
+Json write_files(std::span<const ProductFile> files) {
+    Json json = Json::array();
+    for (const ProductFile& file : files) {
+        json.push_back({{"name", file.name}, {"bytes", file.size_bytes}, {"sha256", file.sha256}});
+    }
+    return json;
+}
+
 Json write_lighting(const StateLight& light) {
     const LightingCost& cost = light.cost;
     Json json = {{"faces", cost.faces},
@@ -309,8 +317,7 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
                  {"looks", result.looks},
                  {"limited", result.limited},
                  {"wall_seconds", result.wall_seconds},
-                 {"faces", Json::array()},
-                 {"files", Json::array()}};
+                 {"faces", Json::array()}};
     json["cost"] = costs.write();
     json["cost"].erase("pilot");
     json["cost"].erase("pilot_steps_over_render");
@@ -323,11 +330,12 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
     if (result.certificate.pixels > 0) {
         json["error"] = write_probe_error(record.job, result);
     }
-    for (const ProductFile& file : result.files) {
-        json["files"].push_back(
-            {{"name", file.name}, {"bytes", file.size_bytes}, {"sha256", file.sha256}});
-    }
+    json["files"] = write_files(result.files);
     return json;
+}
+
+Json write_grid_row(const GridResult& result) {
+    return {{"grid", result.grid}, {"state", result.state}, {"files", write_files(result.files)}};
 }
 
 Json provenance(int threads) {
@@ -352,6 +360,15 @@ Json write_report(const BakeRecord& record) {
     if (floats > 0) {
         warnings.push_back(std::to_string(floats) +
                            " cubemaps are FLOAT: they hold values above 65504");
+    }
+    uint64_t float_atlases = 0;
+    for (const GridResult& result : record.grid_results) {
+        float_atlases += result.is_float ? 1 : 0;
+        for (const ProductFile& file : result.files) bytes += file.size_bytes;
+    }
+    if (float_atlases > 0) {
+        warnings.push_back(std::to_string(float_atlases) +
+                           " atlases of irradiance are FLOAT: they hold values above 65504");
     }
     const QualitySpec& quality = record.job.quality;
     Json targets = Json::array();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,8 @@ struct BakeRecord {
     const Plan& plan;
     const std::vector<Pilot>& pilots;         // one per state, in the order of JobSpec::states
     const std::vector<ProbeResult>& results;  // those that were finished
-    double wall_seconds = 0.0;                // pilot and render
+    std::span<const GridResult> grid_results;
+    double wall_seconds = 0.0;  // pilot and render
     double seconds_to_first_probe = 0.0;
     uint64_t peak_memory_bytes = 0;  // of the process
     int threads = 1;
@@ -51,6 +53,9 @@ Json write_report(const BakeRecord& record);
 /// The row of one result; `pooled` belongs to its state.
 Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeResult& result,
                      const MeasuredError& pooled);
+
+/// The row of a grid's files.
+Json write_grid_row(const GridResult& result);
 
 /// Name, size and place of a scene, and what loading it took.
 Json write_scene(const Scene& scene);

@@ -44,15 +44,6 @@ ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px) {
     return audit;
 }
 
-double irradiance_norm(const ShRgb& radiance) {
-    double sum = 0.0;
-    for (size_t i = 0; i < radiance.size(); ++i) {
-        const Vec3 irradiance = kShIrradiance[i] * radiance[i];
-        sum += glm::dot(irradiance, irradiance);
-    }
-    return std::sqrt(sum);
-}
-
 NormEstimate relative_irradiance(const ShAudit& audit, const ShRgb& radiance) {
     if (audit.irradiance.nothing_found()) return audit.irradiance;
     const double norm = irradiance_norm(radiance);

@@ -30,9 +30,6 @@ struct ShAudit {
 /// At least two draws.
 ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px);
 
-/// ‖A_l L_lm‖₂ over 9 coefficients × RGB.
-double irradiance_norm(const ShRgb& radiance);
-
 /// irradiance_rel: the error over the length of what is in the file. Infinite where all of that is
 /// black and the truth is not.
 NormEstimate relative_irradiance(const ShAudit& audit, const ShRgb& radiance);

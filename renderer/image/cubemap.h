@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "image/image.h"
 #include "math/cube_face.h"
@@ -63,6 +64,14 @@ double pixel_solid_angle(int x, int y, int n);
 
 /// The pixel that owns the value of `pixel` in a cubemap of n pixels per face.
 CubePixel owner_of(const CubePixel& pixel, int n);
+
+/// Whether a view has a pixel of its own to render: of a cubemap's face those that it owns, of any
+/// other view (no face) all.
+inline bool renders_pixel(const std::optional<CubeFace>& face, int x, int y, int n) {
+    if (!face) return true;
+    const CubePixel pixel{*face, x, y};
+    return owner_of(pixel, n) == pixel;
+}
 
 /// Distinct pixels of a cubemap of n pixels per face: what is left when shared ones count once.
 constexpr uint64_t owned_pixel_count(int n) {

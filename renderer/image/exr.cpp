@@ -101,6 +101,17 @@ void check_aux(const CubeAux& aux) {
     }
 }
 
+/// Of an image that is no cubemap.
+void check_values(const Image& image) {
+    for (const Rgb& c : image.pixels()) {
+        for (int i = 0; i < 3; ++i) {
+            if (c[i] >= 0.0f && std::isfinite(c[i])) continue;
+            throw std::domain_error("a value is " + std::to_string(c[i]) +
+                                    ", expected finite and not negative");
+        }
+    }
+}
+
 EncodedCubemap encode_rgb(const Imf::Header& header, std::span<const Rgb> pixels) {
     if (is_float_file(pixels)) {
         return {encode_exr(header, rgb_channels(std::as_bytes(pixels).data(), Imf::FLOAT)), true};
@@ -135,15 +146,16 @@ EncodedCubemap encode_layout(const Image& image, ExrLayout layout,
                              const ProbeAttributes& attributes) {
     std::optional<Imf::Envmap> envmap;
     if (layout == ExrLayout::kLatlong) envmap = Imf::ENVMAP_LATLONG;
-    for (const Rgb& c : image.pixels()) {
-        for (int i = 0; i < 3; ++i) {
-            if (c[i] >= 0.0f && std::isfinite(c[i])) continue;
-            throw std::domain_error("a value is " + std::to_string(c[i]) +
-                                    ", expected finite and not negative");
-        }
-    }
+    check_values(image);
     return encode_rgb(make_header(image.width(), image.height(), envmap, attributes),
                       image.pixels());
+}
+
+std::vector<std::byte> encode_moments(const Image& image, const ProbeAttributes& attributes) {
+    check_values(image);
+    const auto channels = rgb_channels(std::as_bytes(image.pixels()).data(), Imf::FLOAT);
+    return encode_exr(make_header(image.width(), image.height(), std::nullopt, attributes),
+                      std::span(channels).first(2));
 }
 
 Cubemap rounded_to_file(const Cubemap& cubemap) {

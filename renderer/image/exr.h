@@ -49,6 +49,9 @@ struct ProbeAttributes {
     bool operator==(const ProbeAttributes&) const = default;
 };
 
+/// "x y z" in the shortest digits that read back to the same doubles, as in probe:position.
+std::string attribute_text(const Vec3& v);
+
 struct EncodedCubemap {
     std::vector<std::byte> bytes;
     /// FLOAT, because of a value above kHalfMax: the report warns of it.
@@ -65,6 +68,10 @@ EncodedCubemap encode_cubemap(const Cubemap& cubemap, const ProbeAttributes& att
 enum class ExrLayout { kLatlong, kPlain };
 EncodedCubemap encode_layout(const Image& image, ExrLayout layout,
                              const ProbeAttributes& attributes);
+
+/// Red and green of an image, always FLOAT: a mean and a mean square, whose difference matters. No
+/// envmap. Throws as encode_layout.
+std::vector<std::byte> encode_moments(const Image& image, const ProbeAttributes& attributes);
 
 /// The values that a reader of the file finds: rounded to HALF, unless the file is FLOAT. Throws
 /// std::domain_error as above for a value that cannot be written.

@@ -108,6 +108,10 @@ bool is_rec709(const Imf::Chromaticities& given) {
 
 }  // namespace
 
+std::string attribute_text(const Vec3& v) {
+    return to_text(v.x) + " " + to_text(v.y) + " " + to_text(v.z);
+}
+
 Imf::Header make_cube_header(int face_size, const ProbeAttributes& attributes) {
     if (face_size < 1 || face_size > kMaxFaceSize_px) {
         throw std::invalid_argument("a cubemap file has faces of 1 to " +
@@ -131,8 +135,7 @@ Imf::Header make_header(int width_px, int height_px, std::optional<Imf::Envmap> 
     const auto add_number = [&](const std::string& name, double number) {
         header.insert(name, Imf::DoubleAttribute(number));
     };
-    const Vec3& p = attributes.position_m;
-    add_text(kPosition, to_text(p.x) + " " + to_text(p.y) + " " + to_text(p.z));
+    add_text(kPosition, attribute_text(attributes.position_m));
     add_text(kId, attributes.id);
     add_text(kState, attributes.state);
     add_number(kNear, attributes.near_m);

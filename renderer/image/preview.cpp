@@ -78,6 +78,10 @@ std::array<uint8_t, 3> tone_mapped(const Rgb& color, const ToneCurve& tone) {
             tone_mapped_channel(static_cast<double>(color.b), tone)};
 }
 
+Rgb count_grey(double count, double white) {
+    return Rgb(static_cast<float>(std::log(std::max(1.0, count)) / std::log(white)));
+}
+
 std::vector<std::byte> encode_image_png(const Image& image, const ToneCurve& tone) {
     return encode_png(image.width(), image.height(), tone,
                       [&](int x, int y) { return image.at(x, y); });

@@ -30,6 +30,9 @@ struct ToneCurve {
 /// The three bytes of a colour's pixel.
 std::array<uint8_t, 3> tone_mapped(const Rgb& color, const ToneCurve& tone);
 
+/// A count as a grey: up to 1 black, `white` (above 1) 1, by its logarithm.
+Rgb count_grey(double count, double white);
+
 /// PNG files. Throws std::invalid_argument where a side would be empty or exceed 16384 pixels or
 /// the exposure is not positive.
 std::vector<std::byte> encode_image_png(const Image& image, const ToneCurve& tone);

@@ -1,5 +1,7 @@
 #include "image/sh_projection.h"
 
+#include <cmath>
+
 namespace probebake {
 
 Sh9 sh_basis(const CubePixel& pixel, int face_size_px) {
@@ -22,6 +24,15 @@ ShRgb project_sh(const Cubemap& cubemap) {
         }
     }
     return sum;
+}
+
+double irradiance_norm(const ShRgb& radiance) {
+    double sum = 0.0;
+    for (size_t i = 0; i < radiance.size(); ++i) {
+        const Vec3 irradiance = kShIrradiance[i] * radiance[i];
+        sum += glm::dot(irradiance, irradiance);
+    }
+    return std::sqrt(sum);
 }
 
 }  // namespace probebake

@@ -17,4 +17,7 @@ Sh9 sh_basis(const CubePixel& pixel, int face_size_px);
 
 ShRgb project_sh(const Cubemap& cubemap);
 
+/// Root of the summed squares of the coefficients of the irradiance of some radiance, W·m⁻².
+double irradiance_norm(const ShRgb& radiance);
+
 }  // namespace probebake

@@ -45,19 +45,18 @@ void quadrant_leaf_rays(const RenderScene& scene, const View& view, const Vec2& 
 PixelSums refine_quadrants(const RenderScene& scene, const View& view, int x, int y,
                            const RenderSettings& settings, CostStats& stats) {
     PixelSums sums;
-    const double t_max = scene.range.t_max;
     for (int q = 0; q < 4; ++q) {
         const Vec2 at = quadrant_centre(x, y, q);
         Cast cast = coarse_ray(scene, view, at, 1, settings);
         const double error = hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
         if (!needs_refinement(error, settings.threshold)) {
-            sums.add(shade(scene, cast.pixel.ray.direction, cast.hit), cast.hit.t, t_max, 1.0 / 4);
+            sums.add(scene, shade(scene, cast.pixel.ray.direction, cast.hit), cast.hit.t, 1.0 / 4);
             stats.keep(cast.hit);
             continue;
         }
         stats.discard(cast.hit);
         quadrant_leaf_rays(scene, view, at, [&](const Vec3& direction, Hit hit) {
-            sums.add(shade(scene, direction, hit), hit.t, t_max, 1.0 / 16);
+            sums.add(scene, shade(scene, direction, hit), hit.t, 1.0 / 16);
             stats.keep(hit);
         });
     }
@@ -144,7 +143,7 @@ PixelSums error_aware_pixel(const RenderScene& scene, const View& view, int x, i
     }
     stats.keep(first.hit);
     PixelSums sums;
-    sums.add(first.color, first.hit.t, scene.range.t_max, 1.0);
+    sums.add(scene, first.color, first.hit.t, 1.0);
     return sums;
 }
 

@@ -106,7 +106,7 @@ void cast_stage(const HybridCast& cast, HybridPixel& pixel) {
         const Rgb color = shade_at(scene, direction, leaf, hit.level);
         hit.steps = leaf.steps;
         pixel.cost.keep(hit);
-        pixel.sums.add(color, hit.t, scene.range.t_max, 1.0);
+        pixel.sums.add(scene, color, hit.t, 1.0);
         if (stage > 1) continue;
         node_error += hit_error(scene, direction, node, kThesisDecay) / rays;
         children_variance += child_variance(scene, hit, color) / rays;
@@ -134,6 +134,17 @@ double neighbour_contrast(const std::array<Neighbour, 9>& block) {
         ++count;
     }
     return count == 0 ? 0.0 : sum / count;
+}
+
+double neighbour_contrast(std::span<const Neighbour> pixels, const View& view, int x, int y) {
+    std::array<Neighbour, 9> block;
+    for (int i = 0; i < 9; ++i) {
+        const int nx = x + i % 3 - 1;
+        const int ny = y + i / 3 - 1;
+        if (nx < 0 || ny < 0 || nx >= view.width_px || ny >= view.height_px) continue;
+        block[static_cast<size_t>(i)] = pixels[view.index(nx, ny)];
+    }
+    return neighbour_contrast(block);
 }
 
 double predicted_gain(int stage, const PixelEvidence& evidence) {

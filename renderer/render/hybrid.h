@@ -18,6 +18,8 @@
 // pixels, found once, and, where 48 or more rays go through one pixel, of that pixel's own.
 #pragma once
 
+#include <span>
+
 #include "render/error_model.h"
 #include "render/pixel.h"
 
@@ -67,6 +69,8 @@ struct Neighbour {
     bool there = false;
 };
 double neighbour_contrast(const std::array<Neighbour, 9>& block);
+/// Of a pixel among a view's, given row by row.
+double neighbour_contrast(std::span<const Neighbour> pixels, const View& view, int x, int y);
 
 /// The squared error that is expected to be left after a pixel's last stage.
 double expected_error(const HybridPixel& pixel);

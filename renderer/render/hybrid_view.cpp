@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include "render/hybrid.h"
+#include "render/tile_lists.h"
 #include "render/tiles.h"
 
 namespace probebake {
@@ -11,10 +12,8 @@ namespace {
 /// Of the waiting pixels, how many go on in a round; and the fewest of a round.
 constexpr size_t kRoundShare = 4;
 constexpr size_t kMinRound = 1024;
-/// Side of a tile, whose rays share a start list.
-constexpr int kTile_px = 8;
 
-/// What is kept of a first ray until its neighbours have theirs.
+/// What is kept of a first ray, beside its colour, until its neighbours have theirs.
 struct FirstRays {
     double node_error = 0.0;
     double child_variance = 0.0;
@@ -23,7 +22,6 @@ struct FirstRays {
     uint32_t steps = 0;
     uint32_t box_tests = 0;
     int level = -1;  // −1 for a miss
-    bool rendered = false;
 };
 
 /// A pixel between two stages. Its cost is not counted yet.
@@ -40,11 +38,16 @@ class HybridView {
   public:
     HybridView(const RenderScene& scene, const View& view, const RenderSettings& settings,
                const CancelToken& cancel, const ViewExtent& extent)
-        : scene_(scene), view_(view), settings_(settings), cancel_(cancel), extent_(extent) {
+        : scene_(scene),
+          view_(view),
+          settings_(settings),
+          cancel_(cancel),
+          extent_(extent),
+          lists_(view, settings.hybrid.start_lists) {
         out_.color = Image(view.width_px, view.height_px);
         out_.aux.resize(static_cast<size_t>(view.width_px) * static_cast<size_t>(view.height_px));
         first_.resize(out_.aux.size());
-        first_color_ = out_.color;
+        first_colors_.resize(out_.aux.size());
     }
 
     /// Casts the first rays and keeps every pixel as it is then, for refine_to.
@@ -52,7 +55,7 @@ class HybridView {
         out_.stats += cast_first_rays();
         for (int y = 0; y < view_.height_px; ++y) {
             for (int x = 0; x < view_.width_px; ++x) {
-                if (!first_[index(x, y)].rendered) continue;
+                if (!first_colors_[view_.index(x, y)].there) continue;
                 const HybridPixel pixel = after_first_ray(x, y);
                 out_.stats += pixel.cost;
                 store(x, y, pixel);
@@ -60,7 +63,7 @@ class HybridView {
             }
         }
         first_ = {};
-        first_color_ = {};
+        first_colors_ = {};
     }
 
     /// Has every pixel go on that the price asks for; not below 0.
@@ -121,49 +124,25 @@ class HybridView {
                 predicted_gain(pixel.stage, pixel.evidence)};
     }
 
-    bool renders(int x, int y) const {
-        if (!extent_.face) return true;
-        const CubePixel pixel{*extent_.face, x, y};
-        return owner_of(pixel, view_.width_px) == pixel;
-    }
-    size_t index(int x, int y) const {
-        return static_cast<size_t>(y) * static_cast<size_t>(view_.width_px) +
-               static_cast<size_t>(x);
-    }
-
-    /// Of the tile that holds a pixel.
-    const StartList* list_at(int x, int y) const {
-        if (lists_.empty()) return nullptr;
-        return &lists_[static_cast<size_t>(y / kTile_px * tiles_across() + x / kTile_px)];
-    }
-    int tiles_across() const { return (view_.width_px + kTile_px - 1) / kTile_px; }
-    int tiles_down() const { return (view_.height_px + kTile_px - 1) / kTile_px; }
+    bool renders(int x, int y) const { return renders_pixel(extent_.face, x, y, view_.width_px); }
 
     HybridCast cast_at(int x, int y) const {
-        return {scene_, view_, x, y, settings_.hybrid, list_at(x, y)};
+        return {scene_, view_, x, y, settings_.hybrid, lists_.at(x, y)};
     }
 
     /// Seconds and steps of the lists; the rays are counted with their pixels.
     CostStats cast_first_rays() {
-        const int tiles = tiles_across() * tiles_down();
-        if (settings_.hybrid.start_lists) lists_.resize(static_cast<size_t>(tiles));
-        const CostStats pass = for_each_row(tiles, cancel_, [&](int tile, CostStats& stats) {
-            const int x0 = tile % tiles_across() * kTile_px;
-            const int y0 = tile / tiles_across() * kTile_px;
-            const PixelRect rect{x0, y0, std::min(x0 + kTile_px, view_.width_px) - 1,
-                                 std::min(y0 + kTile_px, view_.height_px) - 1};
-            if (!lists_.empty()) {
-                StartList& list = lists_[static_cast<size_t>(tile)];
-                list = start_list(scene_.tree, pixel_beam(view_, rect, 1.0));
-                stats.steps += list.steps;
-            }
-            for (int y = rect.y0; y <= rect.y1; ++y) {
-                for (int x = rect.x0; x <= rect.x1; ++x) {
-                    if (renders(x, y)) cast_first_ray(x, y);
+        const CostStats pass =
+            for_each_row(lists_.tiles(), cancel_, [&](int tile, CostStats& stats) {
+                stats.steps += lists_.make(scene_.tree, view_, tile);
+                const PixelRect rect = lists_.pixels(view_, tile);
+                for (int y = rect.y0; y <= rect.y1; ++y) {
+                    for (int x = rect.x0; x <= rect.x1; ++x) {
+                        if (renders(x, y)) cast_first_ray(x, y);
+                    }
                 }
-            }
-        });
-        for (const FirstRays& first : first_) out_.pixels += first.rendered ? 1 : 0;
+            });
+        for (const Neighbour& first : first_colors_) out_.pixels += first.there ? 1 : 0;
         return pass;
     }
 
@@ -171,15 +150,14 @@ class HybridView {
         HybridPixel pixel;
         cast_stage(cast_at(x, y), pixel);
         store(x, y, pixel);
-        first_color_.at(x, y) = pixel.color();
-        FirstRays& first = first_[index(x, y)];
+        first_colors_[view_.index(x, y)] = {pixel.color(), true};
+        FirstRays& first = first_[view_.index(x, y)];
         first = {.node_error = pixel.evidence.node_error[0],
                  .child_variance = pixel.evidence.child_variance[0],
                  .passed_contrast = pixel.evidence.passed_contrast[0],
                  .t = pixel.sums.distance,
                  .steps = static_cast<uint32_t>(pixel.cost.steps),
-                 .box_tests = static_cast<uint32_t>(pixel.cost.box_tests),
-                 .rendered = true};
+                 .box_tests = static_cast<uint32_t>(pixel.cost.box_tests)};
         for (size_t level = 0; level < pixel.cost.level_histogram.size(); ++level) {
             if (pixel.cost.level_histogram[level] > 0) first.level = static_cast<int>(level);
         }
@@ -187,31 +165,17 @@ class HybridView {
 
     void store(int x, int y, const HybridPixel& pixel) {
         out_.store(x, y, pixel.sums.scaled(1.0 / pixel.sums.samples));
-        out_.aux[index(x, y)].predicted_error = static_cast<float>(expected_error(pixel));
-    }
-
-    double contrast(int x, int y) const {
-        std::array<Neighbour, 9> block;
-        for (int j = 0; j < 3; ++j) {
-            for (int i = 0; i < 3; ++i) {
-                const int nx = x + i - 1;
-                const int ny = y + j - 1;
-                if (nx < 0 || ny < 0 || nx >= view_.width_px || ny >= view_.height_px) continue;
-                block[static_cast<size_t>(3 * j + i)] = {first_color_.at(nx, ny),
-                                                         first_[index(nx, ny)].rendered};
-            }
-        }
-        return neighbour_contrast(block);
+        out_.aux[view_.index(x, y)].predicted_error = static_cast<float>(expected_error(pixel));
     }
 
     HybridPixel after_first_ray(int x, int y) const {
-        const FirstRays& first = first_[index(x, y)];
+        const FirstRays& first = first_[view_.index(x, y)];
         HybridPixel pixel{.stage = 0};
-        pixel.evidence.contrast = contrast(x, y);
+        pixel.evidence.contrast = neighbour_contrast(first_colors_, view_, x, y);
         pixel.evidence.node_error[0] = first.node_error;
         pixel.evidence.child_variance[0] = first.child_variance;
         pixel.evidence.passed_contrast[0] = first.passed_contrast;
-        pixel.sums.add(first_color_.at(x, y), first.t, scene_.range.t_max, 1.0);
+        pixel.sums.add(scene_, first_colors_[view_.index(x, y)].color, first.t, 1.0);
         Hit hit;
         hit.level = first.level;
         hit.steps = first.steps;
@@ -227,7 +191,7 @@ class HybridView {
     void refine_all() {
         out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
-                if (!first_[index(x, y)].rendered) continue;
+                if (!first_colors_[view_.index(x, y)].there) continue;
                 HybridPixel pixel = after_first_ray(x, y);
                 while (goes_on(pixel)) cast_stage(cast_at(x, y), pixel);
                 store(x, y, pixel);
@@ -249,7 +213,7 @@ class HybridView {
         };
         for (int y = 0; y < view_.height_px; ++y) {
             for (int x = 0; x < view_.width_px; ++x) {
-                if (!first_[index(x, y)].rendered) continue;
+                if (!first_colors_[view_.index(x, y)].there) continue;
                 Waiting at{x, y, after_first_ray(x, y)};
                 wait_or_count(at);
             }
@@ -291,9 +255,9 @@ class HybridView {
     RenderSettings settings_;
     const CancelToken& cancel_;
     ViewExtent extent_;
-    std::vector<StartList> lists_;  // of tiles, row by row
+    TileLists lists_;
     std::vector<FirstRays> first_;
-    Image first_color_;
+    std::vector<Neighbour> first_colors_;
     std::vector<Kept> kept_;
     ViewRender out_;
 };

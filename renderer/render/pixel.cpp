@@ -25,6 +25,8 @@ PixelSums PixelSums::scaled(double factor) const {
     sums.color *= factor;
     sums.distance *= factor;
     sums.squared_distance *= factor;
+    sums.near_distance *= factor;
+    sums.squared_near_distance *= factor;
     sums.weight2 *= factor * factor;
     sums.color_weight2 *= factor * factor;
     sums.color2_weight2 *= factor * factor;
@@ -61,12 +63,20 @@ Beam pixel_beam(const View& view, const PixelRect& rect, double pixels) {
             .cone = std::numbers::sqrt2 * pixels * view.pixel_spacing()};
 }
 
-PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,
-                        CostStats& stats, const LevelOfDetail& lod) {
+Vec2 grid_shift(int x, int y) {
+    constexpr double kPlastic = 1.3247179572447460;
+    constexpr double kFirst = 1.0 / kPlastic;
+    constexpr double kSecond = kFirst / kPlastic;
+    const auto fraction = [](double a) { return a - std::floor(a); };
+    return {fraction(x * kFirst + y * kSecond) - 0.5, fraction(x * kSecond - y * kFirst) - 0.5};
+}
+
+PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y,
+                        const RayGrid& grid, CostStats& stats, const LevelOfDetail& lod) {
     PixelSums sums;
-    const double weight = 1.0 / (grid * grid);
+    const double weight = 1.0 / (grid.side * grid.side);
     for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, Hit hit) {
-        sums.add(shade(scene, direction, hit), hit.t, scene.range.t_max, weight);
+        sums.add(scene, shade(scene, direction, hit), hit.t, weight);
         stats.keep(hit);
     });
     return sums;
@@ -80,7 +90,7 @@ PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,
                                   : LevelOfDetail{.cone = cast.cone};
     Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
     PixelSums sums;
-    sums.add(shade(scene, cast.ray.direction, hit), hit.t, scene.range.t_max, 1.0);
+    sums.add(scene, shade(scene, cast.ray.direction, hit), hit.t, 1.0);
     stats.keep(hit);
     return sums;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "light/face_colors.h"
 #include "light/sky.h"
@@ -19,11 +20,13 @@ struct RenderScene {
     const VoxelTree& tree;
     const ColorLevels& color;  // empty: black wherever something is hit
     Rgb background{0.0f};
-    TraceRange range;                 // voxels
+    TraceRange range;  // voxels
+    /// Hits beyond it count as this far in PixelSums::near_distance, voxels.
+    double near_limit = std::numeric_limits<double>::infinity();
     const FaceColors* lit = nullptr;  // radiance per face: takes the place of `color`
     const Sky* sky = nullptr;         // takes the place of `background`
-    /// Octree levels by which the hybrid renderer shows finer nodes than a ray's footprint: 1 where
-    /// shadows are sharp.
+    /// Octree levels by which the hybrid renderer shows finer nodes than a ray's footprint. 0 is
+    /// best in sunlight too (docs/decisions.md).
     int finer_levels = 0;
 };
 
@@ -32,17 +35,22 @@ struct PixelSums {
     Vec3 color{0.0};
     double distance = 0.0;          // radial, voxels; a miss counts as range.t_max
     double squared_distance = 0.0;  // voxels²
-    int samples = 0;                // kept rays
-    double weight2 = 0.0;           // Σw², Σw²c, Σw²c²: for the standard error of the mean
+    double near_distance = 0.0;     // the same two, every ray cut off at near_limit
+    double squared_near_distance = 0.0;
+    int samples = 0;       // kept rays
+    double weight2 = 0.0;  // Σw², Σw²c, Σw²c²: for the standard error of the mean
     Vec3 color_weight2{0.0};
     Vec3 color2_weight2{0.0};
 
-    /// A kept ray's colour and distance (capped at `t_max`).
-    void add(const Rgb& c, double t, double t_max, double weight) {
-        const double d = std::min(t, t_max);
+    /// A kept ray's colour and distance.
+    void add(const RenderScene& scene, const Rgb& c, double t, double weight) {
+        const double d = std::min(t, scene.range.t_max);
+        const double near = std::min(d, scene.near_limit);
         color += Vec3(c) * weight;
         distance += weight * d;
         squared_distance += weight * d * d;
+        near_distance += weight * near;
+        squared_near_distance += weight * near * near;
         ++samples;
         const double w2 = weight * weight;
         weight2 += w2;
@@ -106,22 +114,37 @@ struct PixelRect {
 /// The beam through the footprints of some pixels, for rays of footprints up to `pixels` wide.
 Beam pixel_beam(const View& view, const PixelRect& rect, double pixels);
 
-/// Calls visit(direction, hit) for grid × grid rays on the regular grid of the pixel's footprint.
+/// side × side rays on the regular grid of a pixel's footprint.
+struct RayGrid {
+    int side = 1;
+    Vec2 shift{0.0};  // in cells, from their middles: [−½, ½)
+
+    RayGrid(int rays_per_side) : side(rays_per_side) {}
+    RayGrid(int rays_per_side, const Vec2& from_middles)
+        : side(rays_per_side), shift(from_middles) {}
+};
+
+/// A shift that differs from pixel to pixel: the shifts of any run of a row or column are spread
+/// evenly, so that an edge in line with the pixels does not err the same way in all of them.
+/// Multiples of the plastic number's powers, modulo 1 (Roberts 2018).
+Vec2 grid_shift(int x, int y);
+
+/// Calls visit(direction, hit) for the rays of a grid.
 template <class Visit>
-void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y, int grid,
-                       const LevelOfDetail& lod, Visit visit) {
-    for (int j = 0; j < grid; ++j) {
-        for (int i = 0; i < grid; ++i) {
-            const PixelRay cast =
-                pixel_ray(view, x - 0.5 + (i + 0.5) / grid, y - 0.5 + (j + 0.5) / grid);
+void for_each_grid_ray(const RenderScene& scene, const View& view, int x, int y,
+                       const RayGrid& grid, const LevelOfDetail& lod, Visit visit) {
+    for (int j = 0; j < grid.side; ++j) {
+        for (int i = 0; i < grid.side; ++i) {
+            const PixelRay cast = pixel_ray(view, x - 0.5 + (i + 0.5 + grid.shift.x) / grid.side,
+                                            y - 0.5 + (j + 0.5 + grid.shift.y) / grid.side);
             visit(cast.ray.direction, trace(scene.tree, cast.ray, lod, scene.range));
         }
     }
 }
 
-/// grid × grid rays on the regular grid of the footprint, stopping at `lod` (leaves by default).
-PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,
-                        CostStats& stats, const LevelOfDetail& lod = {});
+/// The rays of a grid, stopping at `lod` (leaves by default).
+PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y,
+                        const RayGrid& grid, CostStats& stats, const LevelOfDetail& lod = {});
 
 /// One ray at the level of detail of the pixel, or at settings.fixed_level.
 PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,

@@ -62,15 +62,7 @@ class ViewRenderer {
         FirstRay first;
     };
 
-    bool renders(int x, int y) const {
-        if (!extent_.face) return true;
-        const CubePixel pixel{*extent_.face, x, y};
-        return owner_of(pixel, view_.width_px) == pixel;
-    }
-    size_t index(int x, int y) const {
-        return static_cast<size_t>(y) * static_cast<size_t>(view_.width_px) +
-               static_cast<size_t>(x);
-    }
+    bool renders(int x, int y) const { return renders_pixel(extent_.face, x, y, view_.width_px); }
     void store(int x, int y, const PixelSums& sums) { out_.store(x, y, sums); }
 
     template <class RenderPixel>
@@ -88,7 +80,8 @@ class ViewRenderer {
         while (extent_.ray_limit && grid > 1 && cost() > *extent_.ray_limit) --grid;
         out_.limited = grid < settings_.leaf_grid;
         each_pixel([&](int x, int y, CostStats& stats) {
-            return uniform_pixel(scene_, view_, x, y, grid, stats);
+            const Vec2 shift = settings_.shifted_grid ? grid_shift(x, y) : Vec2(0.0);
+            return uniform_pixel(scene_, view_, x, y, {grid, shift}, stats);
         });
     }
 
@@ -101,7 +94,7 @@ class ViewRenderer {
                 if (!renders(x, y)) continue;
                 const FirstRay first = first_ray(scene_, view_, x, y, settings_);
                 PixelSums sums;
-                sums.add(first.color, first.hit.t, scene_.range.t_max, 1.0);
+                sums.add(scene_, first.color, first.hit.t, 1.0);
                 store(x, y, sums);
                 if (needs_refinement(first.error, settings_.threshold)) {
                     rows[static_cast<size_t>(y)].push_back({x, y, first});
@@ -151,10 +144,10 @@ class ViewRenderer {
         const CostStats first_pass = for_each_row(view_.height_px, cancel_, [&](int y, CostStats&) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                CostStats& stats = first_stats[index(x, y)];
+                CostStats& stats = first_stats[view_.index(x, y)];
                 const PixelSums sums = lod_pixel(scene_, view_, x, y, settings_, stats);
                 store(x, y, sums);
-                first[index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
+                first[view_.index(x, y)] = {luminance(sums.mean()), true, stats.missed_rays == 0};
             }
         });
         std::vector<double> variation(first.size());
@@ -162,9 +155,9 @@ class ViewRenderer {
         for (int y = 0; y < view_.height_px; ++y) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                variation[index(x, y)] = luminance_variation(first, view_.width_px, view_.height_px,
-                                                             x, y, settings_.misses_in_kernel);
-                rendered.push_back(variation[index(x, y)]);
+                variation[view_.index(x, y)] = luminance_variation(
+                    first, view_.width_px, view_.height_px, x, y, settings_.misses_in_kernel);
+                rendered.push_back(variation[view_.index(x, y)]);
             }
         }
         double normaliser = settings_.normaliser;
@@ -175,8 +168,8 @@ class ViewRenderer {
         out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!renders(x, y)) continue;
-                const CostStats& cast = first_stats[index(x, y)];
-                const int grid = adaptive_grid(variation[index(x, y)], normaliser);
+                const CostStats& cast = first_stats[view_.index(x, y)];
+                const int grid = adaptive_grid(variation[view_.index(x, y)], normaliser);
                 if (grid == 0) {
                     stats += cast;
                     continue;
@@ -221,6 +214,8 @@ void ViewRender::store(int x, int y, const PixelSums& sums) {
         static_cast<size_t>(y) * static_cast<size_t>(color.width()) + static_cast<size_t>(x);
     aux[index] = {static_cast<float>(sums.distance), static_cast<float>(sums.squared_distance),
                   sums.standard_error(), static_cast<float>(sums.samples)};
+    aux[index].near_distance = static_cast<float>(sums.near_distance);
+    aux[index].squared_near_distance = static_cast<float>(sums.squared_near_distance);
 }
 
 ViewRender render_view(const RenderScene& scene, const View& view, const RenderSettings& settings,

@@ -22,6 +22,8 @@ struct PixelAux {
     Rgb standard_error{0.0f};       // PixelSums::standard_error
     float samples = 0.0f;           // kept rays
     float predicted_error = 0.0f;   // squared error that the hybrid renderer expects to be left
+    float near_distance = 0.0f;     // as the two distances, rays cut off at RenderScene::near_limit
+    float squared_near_distance = 0.0f;
 };
 
 struct ViewRender {

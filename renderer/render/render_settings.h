@@ -43,6 +43,9 @@ struct RenderSettings {
     /// error-aware one casts 4 × 4, as the thesis's, and goes on to 8 and 16 where `spread` says
     /// so.
     int leaf_grid = 4;
+    /// The reference renderer's grid lies elsewhere in every pixel (grid_shift): of one ray per
+    /// pixel, more in the mean over many.
+    bool shifted_grid = false;
     /// A refined pixel goes on where the standard error of its rays' mean (root mean square over
     /// R, G, B, in units of radiance) exceeds this.
     double spread = std::numeric_limits<double>::infinity();

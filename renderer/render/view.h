@@ -24,6 +24,11 @@ struct View {
     /// Side of a pixel's footprint on the plane at distance 1.
     double pixel_spacing() const { return 2.0 / divisor; }
 
+    /// Of a pixel, where pixels are given row by row.
+    size_t index(int x, int y) const {
+        return static_cast<size_t>(y) * static_cast<size_t>(width_px) + static_cast<size_t>(x);
+    }
+
     /// Unnormalised direction through pixel (x, y), offset in pixels from its centre.
     Vec3 direction(double x, double y) const {
         const double u = (2.0 * x - (width_px - 1)) / divisor;

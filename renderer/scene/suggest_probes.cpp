@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "math/random.h"
+#include "voxels/filled_box.h"
 #include "voxels/trace.h"
 
 namespace probebake {
@@ -19,26 +20,11 @@ constexpr double kHighest_m = 10.0;
 constexpr double kClearance_m = 1.0;
 
 /// What the voxels fill, in voxels.
-struct Box {
-    Vec3 lo{0.0};
-    Vec3 hi{0.0};
-};
-
-Box box_of(const VoxelTree& tree) {
-    IVec3 lo(1 << kMaxDepth);
-    IVec3 hi(0);
-    tree.for_each_voxel([&](const IVec3& p) {
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p + 1);
-    });
-    return {Vec3(lo), Vec3(hi)};
-}
-
 class Search {
   public:
     Search(const Scene& scene, const Box& box)
         : tree_(scene.tree),
-          middle_y_(0.5 * (box.lo.y + box.hi.y)),
+          middle_y_(0.5 * (box.low.y + box.high.y)),
           voxel_m_(scene.voxel_size_m),
           side_(std::ldexp(1.0, scene.tree.depth())),
           // At least a voxel, and less where the world itself is some metres across.
@@ -102,10 +88,10 @@ std::vector<Vec3> suggest_probes(const Scene& scene, int count, uint64_t seed) {
     if (count < 0) throw std::invalid_argument("the number of probes is at least 0");
     std::vector<Vec3> probes;
     if (count == 0 || scene.tree.empty()) return probes;
-    const Box box = box_of(scene.tree);
+    const Box box = filled_box(scene.tree);
     const Search search(scene, box);
-    const Vec2 side(box.hi.x - box.lo.x, box.hi.z - box.lo.z);
-    const Vec2 corner = Vec2(box.lo.x, box.lo.z) + kMargin * side;
+    const Vec2 side(box.high.x - box.low.x, box.high.z - box.low.z);
+    const Vec2 corner = Vec2(box.low.x, box.low.z) + kMargin * side;
     const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
     const int rows = (count + columns - 1) / columns;
     for (int i = 0; i < count; ++i) {

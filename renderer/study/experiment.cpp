@@ -10,7 +10,6 @@ bool on_views(const StudyScene& scene) { return scene.kind != SceneKind::kQuesti
 bool on_terrains_and_worlds(const StudyScene& scene) {
     return scene.kind == SceneKind::kTerrain || scene.kind == SceneKind::kWorld;
 }
-bool on_terrains(const StudyScene& scene) { return scene.kind == SceneKind::kTerrain; }
 bool on_cornell(const StudyScene& scene) { return scene.name == "cornell"; }
 bool on_thin_things(const StudyScene& scene) {
     return scene.name == "slackline" || scene.name == "torch";
@@ -29,7 +28,7 @@ constexpr std::array<Experiment, 11> kExperiments = {{
     {"equal_steps", "Equal steps", on_views, no_params, run_equal_steps},
     {"resolutions", "Resolutions", on_terrains_and_worlds, no_params, run_resolutions},
     {"probes", "Light probes", on_views, probe_params, run_probes},
-    {"times_of_day", "Times of day", on_terrains, times_of_day_params, run_times_of_day},
+    {"times_of_day", "Times of day", on_terrains_and_worlds, times_of_day_params, run_times_of_day},
     {"beam", "Cornell beam", on_cornell, no_params, run_beam},
     {"shadow_rays", "Shadow rays", on_views, no_params, run_shadow_rays},
     {"walls", "Walls between lit and dark", on_views, no_params, run_walls},

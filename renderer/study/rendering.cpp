@@ -25,7 +25,7 @@ Image ray_map(const ViewRecord& record, const Outcome& outcome) {
     for (size_t i = 0; i < record.pixels.size(); ++i) {
         const PixelOutcome pixel = outcome(record.pixels[i]);
         const double rays = pixel.kept_rays + pixel.discarded_rays;
-        map.pixels()[i] = Rgb(static_cast<float>(std::log(rays) / std::log(21.0)));
+        map.pixels()[i] = count_grey(rays, 21.0);
     }
     return map;
 }

@@ -72,8 +72,7 @@ void write_report(const StudyParams& params, StudyOutcome& outcome) {
     std::filesystem::create_directories(params.out / "tables");
     const auto save = [&](TextTable table) {
         table.title += note;
-        write_file_atomically(params.out / "tables" / (table.name + ".csv"), table.csv());
-        return table.markdown();
+        return save_table(table, params.out);
     };
     text += "## Claims\n\n" + save(claims_table(outcome.results));
     for (const ReportSection& section : report_sections(outcome.results, full)) {

@@ -11,6 +11,21 @@ const Json& renderer_row(const Json& renderers, const std::string& renderer) {
     throw std::invalid_argument("a result without " + renderer);
 }
 
+std::vector<std::string> class_and_error_cells(const Json& row) {
+    std::vector<std::string> cells;
+    for (const Json& count : row.at("classes")) {
+        const double share = count.get<double>() / row.at("pixels").get<double>();
+        cells.push_back(decimals(100.0 * share, 1) + " %");
+    }
+    for (const char* against : {"reference", "truth"}) {
+        const Json& error = row.at(against);
+        cells.push_back(decimals(number_or_none(error.at("psnr_db")), 2));
+        cells.push_back(decimals(number_or_none(error.at("ssim")), 4));
+        cells.push_back(decimals(error.at("rmse").get<double>(), 5));
+    }
+    return cells;
+}
+
 const ThesisArea* thesis_area(const std::string& scene) {
     for (const ThesisArea& area : thesis_areas()) {
         if (scene == area.name) return &area;

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "io/json.h"
 #include "study/text_table.h"
@@ -18,6 +19,9 @@ inline double rmse_of(const Json& row, const char* against) {
 }
 inline double steps_of(const Json& row) { return row.at("steps").get<double>(); }
 inline double hit_rays_of(const Json& row) { return row.at("hit_rays").get<double>(); }
+/// The shares of a row's classes of pixels (%), then PSNR (dB), SSIM and RMSE against the reference
+/// and against the truth.
+std::vector<std::string> class_and_error_cells(const Json& row);
 std::optional<double> number_or_none(const Json& value);
 
 /// The area that a scene stands for; null for the others.

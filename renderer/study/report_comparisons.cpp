@@ -56,16 +56,8 @@ TextTable thesis_cost_table(const Json& experiment) {
             const Json& row = at[renderer];
             std::vector<std::string> cells = {scene, renderer,
                                               decimals(row["rays_per_hit_pixel"].get<double>(), 3)};
-            for (const Json& count : row["classes"]) {
-                cells.push_back(
-                    decimals(100.0 * count.get<double>() / row["pixels"].get<double>(), 1) + " %");
-            }
-            for (const char* against : {"reference", "truth"}) {
-                const Json& error = row[against];
-                cells.push_back(decimals(number_or_none(error["psnr_db"]), 2));
-                cells.push_back(decimals(number_or_none(error["ssim"]), 4));
-                cells.push_back(decimals(error["rmse"].get<double>(), 5));
-            }
+            const std::vector<std::string> rest = class_and_error_cells(row);
+            cells.insert(cells.end(), rest.begin(), rest.end());
             table.rows.push_back(std::move(cells));
         }
     }

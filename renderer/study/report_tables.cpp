@@ -50,15 +50,8 @@ TextTable renderers_table(const Json& rendering, const std::string& name,
                                               decimals(row["rays_per_hit_pixel"].get<double>(), 3),
                                               decimals(row["rays"].get<double>() / pixels, 3),
                                               decimals(steps_of(row) / base, 3)};
-            for (const Json& count : row["classes"]) {
-                cells.push_back(decimals(100.0 * count.get<double>() / pixels, 1) + " %");
-            }
-            for (const char* against : {"reference", "truth"}) {
-                const Json& error = row[against];
-                cells.push_back(decimals(number_or_none(error["psnr_db"]), 2));
-                cells.push_back(decimals(number_or_none(error["ssim"]), 4));
-                cells.push_back(decimals(error["rmse"].get<double>(), 5));
-            }
+            const std::vector<std::string> rest = class_and_error_cells(row);
+            cells.insert(cells.end(), rest.begin(), rest.end());
             table.rows.push_back(std::move(cells));
         }
     }

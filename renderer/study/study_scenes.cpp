@@ -4,6 +4,7 @@
 
 #include "io/json.h"
 #include "scene/generators/cornell.h"
+#include "voxels/filled_box.h"
 
 namespace probebake::study {
 namespace {
@@ -32,17 +33,6 @@ std::filesystem::path need(StudyScene& scene, const std::optional<std::filesyste
     std::error_code error;
     if (!folder || !std::filesystem::is_regular_file(path, error)) scene.missing = file;
     return path;
-}
-
-/// Lowest corner and opposite corner of what is filled, voxels.
-std::pair<Vec3, Vec3> bounds_of(const VoxelTree& tree) {
-    IVec3 lo(1 << kMaxDepth);
-    IVec3 hi(0);
-    tree.for_each_voxel([&](const IVec3& p) {
-        lo = glm::min(lo, p);
-        hi = glm::max(hi, p + 1);
-    });
-    return {Vec3(lo), Vec3(hi)};
 }
 
 }  // namespace
@@ -82,22 +72,22 @@ View view_down_on(const Vec3& target, double footprint, int view_px) {
 }
 
 View study_view(const Scene& scene, int size, std::optional<int> view_px) {
-    const auto [lo, hi] = bounds_of(scene.tree);
+    const auto [low, high] = filled_box(scene.tree);
     constexpr int kSamples = 64;
-    const Vec3 middle = 0.5 * (lo + hi);
+    const Vec3 middle = 0.5 * (low + high);
     double sum = 0.0;
     int hits = 0;
     for (int j = 0; j < kSamples; ++j) {
         for (int i = 0; i < kSamples; ++i) {
             const Vec2 at = Vec2(i + 0.5, j + 0.5) / double{kSamples} - 0.5;
-            const Vec3 origin(middle.x + at.x * size, hi.y + 1.0, middle.z + at.y * size);
+            const Vec3 origin(middle.x + at.x * size, high.y + 1.0, middle.z + at.y * size);
             const Hit hit = trace(scene.tree, {origin, Vec3(0.0, -1.0, 0.0)});
             if (!hit) continue;
             sum += origin.y - hit.t;
             ++hits;
         }
     }
-    const double ground = hits > 0 ? sum / hits : lo.y;
+    const double ground = hits > 0 ? sum / hits : low.y;
     const Vec3 off_grid(0.3711, 0.2303, 0.6127);
     const Vec3 target = Vec3(std::floor(middle.x), std::floor(ground), std::floor(middle.z));
     const int full_px = size / 4;

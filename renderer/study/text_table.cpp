@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "io/file.h"
+
 namespace probebake::study {
 namespace {
 
@@ -25,6 +27,11 @@ std::string TextTable::markdown() const {
         for (const std::string& cell : row) text += " " + cell + " |";
     }
     return text + "\n\n";
+}
+
+std::string save_table(const TextTable& table, const std::filesystem::path& out) {
+    write_file_atomically(out / "tables" / (table.name + ".csv"), table.csv());
+    return table.markdown();
 }
 
 std::string TextTable::csv() const {

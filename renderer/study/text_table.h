@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct TextTable {
     /// Quoted where a cell holds a comma or a quote.
     std::string csv() const;
 };
+
+/// Writes OUT/tables/NAME.csv and returns the Markdown; the folder is there. Throws IoError.
+std::string save_table(const TextTable& table, const std::filesystem::path& out);
 
 std::string decimals(double x, int count);
 /// A dash where there is none.

@@ -43,16 +43,6 @@ PixelRecord record_pixel(const RenderScene& scene, const View& view, int x, int 
     return record;
 }
 
-bool renders(const std::optional<CubeFace>& face, int x, int y, int n) {
-    if (!face) return true;
-    const CubePixel pixel{*face, x, y};
-    return owner_of(pixel, n) == pixel;
-}
-
-size_t index_in(const View& view, int x, int y) {
-    return static_cast<size_t>(y) * static_cast<size_t>(view.width_px) + static_cast<size_t>(x);
-}
-
 void keep(PixelOutcome& outcome, const RayGroup& group, double weight) {
     outcome.color += Vec3(group.color) * weight;
     outcome.kept_rays += group.rays;
@@ -78,16 +68,16 @@ ViewRecord record_view(const RenderScene& scene, const View& view, const RecordP
     std::vector<OneRayPixel> one_ray(record.pixels.size());
     tbb::parallel_for(0, view.height_px, [&](int y) {
         for (int x = 0; x < view.width_px; ++x) {
-            if (!renders(params.face, x, y, view.width_px)) continue;
-            PixelRecord& pixel = record.pixels[index_in(view, x, y)];
+            if (!renders_pixel(params.face, x, y, view.width_px)) continue;
+            PixelRecord& pixel = record.pixels[view.index(x, y)];
             pixel = record_pixel(scene, view, x, y, params.fixed_level);
-            one_ray[index_in(view, x, y)] = {luminance(pixel.first.ray.color), true,
-                                             pixel.first.ray.hits > 0};
+            one_ray[view.index(x, y)] = {luminance(pixel.first.ray.color), true,
+                                         pixel.first.ray.hits > 0};
         }
     });
     tbb::parallel_for(0, view.height_px, [&](int y) {
         for (int x = 0; x < view.width_px; ++x) {
-            PixelRecord& pixel = record.pixels[index_in(view, x, y)];
+            PixelRecord& pixel = record.pixels[view.index(x, y)];
             if (!pixel.rendered) continue;
             const auto variation = [&](MissesInKernel misses) {
                 return luminance_variation(one_ray, view.width_px, view.height_px, x, y, misses);
@@ -106,7 +96,7 @@ Image render_truth(const RenderScene& scene, const View& view,
     tbb::parallel_for(0, view.height_px, [&](int y) {
         CostStats uncounted;
         for (int x = 0; x < view.width_px; ++x) {
-            if (!renders(face, x, y, view.width_px)) continue;
+            if (!renders_pixel(face, x, y, view.width_px)) continue;
             image.at(x, y) = uniform_pixel(scene, view, x, y, kTruthGrid, uncounted).mean();
         }
     });

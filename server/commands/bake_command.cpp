@@ -25,6 +25,11 @@ std::shared_ptr<const Scene> load(const SceneOptions& options, const std::string
     return std::make_shared<const Scene>(load_scene(find_scene(options, name), options.cache));
 }
 
+void write_files(const std::filesystem::path& folder, std::span<const ProductFile> files) {
+    std::filesystem::create_directories(folder);
+    for (const ProductFile& file : files) write_file_atomically(folder / file.name, file.bytes);
+}
+
 int bake(const BakeOptions& options) {
     const JobSpec job = read_job_file(options.job);
     std::filesystem::create_directories(options.out);
@@ -44,11 +49,11 @@ int bake(const BakeOptions& options) {
                   .cancel = cancel,
                   .sink =
                       [&](const ProbeSpec& probe, const ProbeResult& result) {
-                          const auto folder = options.out / probe.id / name_of(result.state);
-                          std::filesystem::create_directories(folder);
-                          for (const ProductFile& file : result.files) {
-                              write_file_atomically(folder / file.name, file.bytes);
-                          }
+                          write_files(options.out / probe.id / name_of(result.state), result.files);
+                      },
+                  .grid_sink =
+                      [&](const GridResult& result) {
+                          write_files(options.out / result.grid / result.state, result.files);
                       },
                   .on_progress =
                       [&](const BakeProgress& progress) {

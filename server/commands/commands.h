@@ -24,5 +24,6 @@ void add_study_command(CLI::App& app, CommandWork& work);
 void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
 void add_beyond_command(CLI::App& study_app, CommandWork& work);
 void add_calibration_command(CLI::App& study_app, CommandWork& work);
+void add_octrees_command(CLI::App& study_app, CommandWork& work);
 
 }  // namespace probebake

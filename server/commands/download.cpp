@@ -80,7 +80,8 @@ Download download_bake(ServiceClient& service, const std::string& id, const fs::
     for (bool more = true; more;) {
         const Json answer = service.get(page);
         for (Json row : answer.at("rows")) {
-            const fs::path place = fs::path(safe_name(row, "probe")) / safe_name(row, "state");
+            const char* const of = row.contains("grid") ? "grid" : "probe";
+            const fs::path place = fs::path(safe_name(row, of)) / safe_name(row, "state");
             fs::create_directories(out / place);
             for (const Json& file : row.at("files")) {
                 const Wanted wanted{safe_name(file, "name"), file.at("bytes").get<uint64_t>(),

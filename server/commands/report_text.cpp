@@ -60,6 +60,7 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
                  metric == "irradiance_rel" ? metric : "dB or SSIM", "rays/px", "rays", "steps",
                  "seconds", "settings"});
     for (const Json& row : rows) {
+        if (row.contains("grid")) continue;
         const Json& cost = row["cost"];
         const uint64_t rays = cost["render"]["rays"].get<uint64_t>() +
                               cost["render"]["discarded_rays"].get<uint64_t>();

@@ -31,6 +31,7 @@ class BakeRun {
         tune();
         enter(BakePhase::kRendering);
         render();
+        if (job_.products.ddgi) make_atlases();
         enter(BakePhase::kFinished);
         return finish();
     }
@@ -120,6 +121,34 @@ class BakeRun {
         }
     }
 
+    void make_atlases() {
+        for (const ProbeGrid& grid : job_.grids) {
+            for (size_t s = 0; s < states_.size(); ++s) {
+                params_.cancel.throw_if_cancelled();
+                GridResult result = atlas_of(grid, s);
+                if (params_.grid_sink) params_.grid_sink(result);
+                for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
+                grid_results_.push_back(std::move(result));
+            }
+        }
+    }
+
+    GridResult atlas_of(const ProbeGrid& grid, size_t state) {
+        ProbeAttributes about = state_attributes(*scene_, job_, states_[state]);
+        about.near_m = job_.probes[grid.first_probe].near_m;
+        about.far_m = job_.probes[grid.first_probe].far_m.value_or(about.far_m);
+        std::vector<const DdgiTile*> tiles;
+        for (size_t p = grid.first_probe; p < grid.first_probe + grid.size(); ++p) {
+            const ProbeResult& result = results_[p * states_.size() + state];
+            tiles.push_back(&*result.ddgi);
+            about.valid = about.valid && !result.inside_voxel;
+        }
+        GridResult result;
+        params_.pool.run(
+            [&] { result = encode_ddgi(grid, ddgi_atlas(grid.counts, tiles), std::move(about)); });
+        return result;
+    }
+
     void publish(size_t i, ProbeResult result) {
         const std::lock_guard lock(mutex_);
         if (params_.sink) params_.sink(job_.probes[result.probe], result);
@@ -140,6 +169,7 @@ class BakeRun {
                                 .plan = plan_,
                                 .pilots = pilots_,
                                 .results = results_,
+                                .grid_results = grid_results_,
                                 .wall_seconds = seconds_between(begin_, Clock::now()),
                                 .seconds_to_first_probe = first_unit_seconds_,
                                 .peak_memory_bytes = peak_memory_bytes(),
@@ -149,6 +179,9 @@ class BakeRun {
         for (size_t i = 0; params_.row_sink && i < results_.size(); ++i) {
             const size_t state = i % pilots_.size();
             params_.row_sink(write_probe_row(record, pilots_[state], results_[i], pooled[state]));
+        }
+        for (size_t i = 0; params_.row_sink && i < grid_results_.size(); ++i) {
+            params_.row_sink(write_grid_row(grid_results_[i]));
         }
         return write_report(record);
     }
@@ -162,6 +195,7 @@ class BakeRun {
     Plan plan_;
     std::vector<ReadyState> states_;
     std::vector<Pilot> pilots_;
+    std::vector<GridResult> grid_results_;
 
     std::mutex mutex_;
     // Guarded by mutex_ while units run:

@@ -36,9 +36,11 @@ struct BakeParams {
     /// Stores a result's files; called from pool threads, one call at a time, in the order in which
     /// units end. The bytes are released afterwards.
     std::function<void(const ProbeSpec&, const ProbeResult&)> sink;
+    /// The same for what belongs to a whole grid, once all probes are done.
+    std::function<void(const GridResult&)> grid_sink;
     std::function<void(const BakeProgress&)> on_progress;  // same calls, and at every phase
-    /// Takes the row of every probe and state at the end, in the order of the request: verdicts
-    /// need the whole job's evidence.
+    /// Takes the row of every probe and state at the end, in the order of the request, then those
+    /// of grids: verdicts need the whole job's evidence.
     std::function<void(const Json&)> row_sink;
 };
 

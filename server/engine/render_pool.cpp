@@ -40,15 +40,13 @@ RenderPool::~RenderPool() {
 }
 
 void RenderPool::for_each(size_t count, const std::function<void(size_t)>& unit) {
-    const auto lane = std::make_shared<Lane>();
-    lane->count = count;
-    lane->unit = &unit;
+    Lane lane{.count = count, .unit = &unit};
     std::unique_lock lock(mutex_);
-    lanes_.push_back(lane);
+    lanes_.push_back(&lane);
     start_units();
-    ended_.wait(lock, [&] { return lane->finished(); });
-    lanes_.erase(std::remove(lanes_.begin(), lanes_.end(), lane), lanes_.end());
-    if (lane->failure) std::rethrow_exception(lane->failure);
+    ended_.wait(lock, [&] { return lane.finished(); });
+    lanes_.erase(std::remove(lanes_.begin(), lanes_.end(), &lane), lanes_.end());
+    if (lane.failure) std::rethrow_exception(lane.failure);
 }
 
 void RenderPool::run(const std::function<void()>& work) {
@@ -58,29 +56,29 @@ void RenderPool::run(const std::function<void()>& work) {
 void RenderPool::start_units() {
     while (running_ < threads_) {
         const auto at = std::find_if(lanes_.begin(), lanes_.end(),
-                                     [](const auto& lane) { return lane->waiting(); });
+                                     [](const Lane* lane) { return lane->waiting(); });
         if (at == lanes_.end()) return;
-        const std::shared_ptr<Lane> lane = *at;
+        Lane* const lane = *at;
         lanes_.erase(at);
         lanes_.push_back(lane);  // the others come first now
         const size_t index = lane->next++;
         ++lane->under_way;
         ++running_;
-        arena_.enqueue([this, lane, index] { run_unit(lane, index); });
+        arena_.enqueue([this, lane, index] { run_unit(*lane, index); });
     }
 }
 
-void RenderPool::run_unit(const std::shared_ptr<Lane>& lane, size_t index) {
+void RenderPool::run_unit(Lane& lane, size_t index) {
     std::exception_ptr failure;
     try {
         // Isolated: while it waits for its own tiles it must not begin another unit.
-        tbb::this_task_arena::isolate([&] { (*lane->unit)(index); });
+        tbb::this_task_arena::isolate([&] { (*lane.unit)(index); });
     } catch (...) {
         failure = std::current_exception();
     }
     const std::lock_guard lock(mutex_);
-    if (failure && !lane->failure) lane->failure = failure;
-    --lane->under_way;
+    if (failure && !lane.failure) lane.failure = failure;
+    --lane.under_way;
     --running_;
     start_units();
     ended_.notify_all();

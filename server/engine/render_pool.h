@@ -18,7 +18,6 @@
 #include <deque>
 #include <exception>
 #include <functional>
-#include <memory>
 #include <mutex>
 
 namespace probebake {
@@ -42,6 +41,8 @@ class RenderPool {
     void run(const std::function<void()>& work);
 
   private:
+    /// Lives in for_each, which waits until no unit of it is under way: the arena may let go of a
+    /// task long after its unit has ended.
     struct Lane {
         size_t count = 0;
         const std::function<void(size_t)>* unit = nullptr;
@@ -61,7 +62,7 @@ class RenderPool {
     };
 
     void start_units();  // with mutex_ held
-    void run_unit(const std::shared_ptr<Lane>& lane, size_t index);
+    void run_unit(Lane& lane, size_t index);
 
     const int threads_;
     tbb::global_control allow_threads_;
@@ -71,7 +72,7 @@ class RenderPool {
     std::mutex mutex_;
     // Guarded by mutex_:
     std::condition_variable ended_;
-    std::deque<std::shared_ptr<Lane>> lanes_;  // the next one to start a unit of stands in front
+    std::deque<Lane*> lanes_;  // the next one to start a unit of stands in front
     int running_ = 0;
 };
 

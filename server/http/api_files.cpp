@@ -40,7 +40,9 @@ bool matches(const httplib::Request& request, const std::string& etag) {
 }
 
 Json write_unit(const StoredUnit& unit) {
-    Json json = {{"probe", unit.probe}, {"state", unit.state}, {"files", Json::array()}};
+    Json json = {{unit.is_grid ? "grid" : "probe", unit.probe},
+                 {"state", unit.state},
+                 {"files", Json::array()}};
     for (const StoredFile& file : unit.files) {
         json["files"].push_back(
             {{"name", file.name}, {"bytes", file.size_bytes}, {"sha256", file.sha256}});

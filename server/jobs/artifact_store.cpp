@@ -30,11 +30,19 @@ void ArtifactStore::add_job(const std::string& job) {
 
 void ArtifactStore::publish(const std::string& job, const std::string& probe,
                             const ProbeResult& result) {
-    StoredUnit unit{probe, std::string(name_of(result.state)), {}};
+    publish(job, {.probe = probe, .state = std::string(name_of(result.state))}, result.files);
+}
+
+void ArtifactStore::publish(const std::string& job, const GridResult& result) {
+    publish(job, {.probe = result.grid, .state = result.state, .is_grid = true}, result.files);
+}
+
+void ArtifactStore::publish(const std::string& job, StoredUnit unit,
+                            std::span<const ProductFile> files) {
     const fs::path folder = folder_of(job) / "probes" / unit.probe / unit.state;
     make_folder(folder);
     uint64_t bytes = 0;
-    for (const ProductFile& file : result.files) {
+    for (const ProductFile& file : files) {
         write_file_atomically(folder / file.name, file.bytes);
         unit.files.push_back({file.name, file.size_bytes, file.sha256});
         bytes += std::max(kBlockBytes, file.size_bytes);

@@ -1,6 +1,7 @@
 // ArtifactStore: the files of jobs.
 //
 //   DIR/jobs/{id}/probes/{probe}/{state}/cube.exr, aux.exr   when the unit is complete
+//   DIR/jobs/{id}/probes/{grid}/{state}/ddgi-*.exr           when all of the grid's units are
 //   DIR/jobs/{id}/probes.jsonl                               one row per probe and state, at the
 //   end DIR/jobs/{id}/report.json                                at the end
 //
@@ -31,10 +32,11 @@ struct StoredFile {
     std::string sha256;
 };
 
-/// The files of one probe in one lighting state.
+/// The files of one probe, or of one grid as a whole, in one lighting state.
 struct StoredUnit {
-    std::string probe;
+    std::string probe;  // or the grid
     std::string state;
+    bool is_grid = false;
     std::vector<StoredFile> files;
 };
 
@@ -58,6 +60,7 @@ class ArtifactStore {
     void add_job(const std::string& job);
     /// Writes a unit's files, then lets clients see them. Throws IoError.
     void publish(const std::string& job, const std::string& probe, const ProbeResult& result);
+    void publish(const std::string& job, const GridResult& result);
     void write_report(const std::string& job, const Json& report);
     /// Forgets a job and removes its files. Downloads under way go on.
     void remove_job(const std::string& job);
@@ -101,6 +104,7 @@ class ArtifactStore {
     };
 
     std::filesystem::path folder_of(const std::string& job) const { return data_.jobs() / job; }
+    void publish(const std::string& job, StoredUnit unit, std::span<const ProductFile> files);
 
     const DataFolder data_;
     mutable std::mutex mutex_;

@@ -167,6 +167,7 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
          .cancel = job.cancel,
          .sink = [&](const ProbeSpec& probe,
                      const ProbeResult& result) { store_.publish(id, probe.id, result); },
+         .grid_sink = [&](const GridResult& result) { store_.publish(id, result); },
          .on_progress =
              [&](const BakeProgress& progress) {
                  const std::lock_guard lock(mutex_);

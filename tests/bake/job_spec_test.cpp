@@ -61,12 +61,16 @@ TEST(JobSpec, TheEffectiveRequestReadsBackAsTheSameJob) {
                                    {"counts", {2, 1, 2}},
                                    {"face_size_px", 32}}};
     const Json effective = write_job(read_job(request));
-    EXPECT_EQ(effective["probes"]["list"].size(), 7u);
-    EXPECT_EQ(effective["probes"]["list"][6]["id"], "g-1-0-1");
-    EXPECT_EQ(effective["probes"]["list"][6]["position_m"], Json({2.0, 1.0, 6.0}));
-    EXPECT_EQ(effective["probes"]["list"][6]["face_size_px"], 32);
+    EXPECT_EQ(effective["probes"]["list"].size(), 3u);
     EXPECT_EQ(effective["probes"]["list"][0]["near_m"], 0.5);
+    EXPECT_EQ(effective["probes"]["grids"].size(), 1u);
+    EXPECT_EQ(effective["probes"]["grids"][0]["face_size_px"], 32);
     EXPECT_EQ(write_job(read_job(effective)), effective);
+    const std::vector<ProbeSpec> probes = read_job(effective).probes;
+    ASSERT_EQ(probes.size(), 7u);
+    EXPECT_EQ(probes[6].id, "g-1-0-1");
+    EXPECT_EQ(probes[6].position_m, Vec3(2.0, 1.0, 6.0));
+    EXPECT_EQ(probes[6].face_size_px, 32);
 }
 
 TEST(JobSpec, ReadsEachTarget) {
@@ -107,7 +111,7 @@ TEST(JobSpec, SaysWhereAndWhatWasExpected) {
         {with("/quality/renderer", "best"), "400 /quality/renderer: expected one of"},
         {with("/quality/settings", {{"threshold", 0.1}}),
          "422 /quality/settings: settings of your own need a renderer"},
-        {with("/face_size_px", 3), "422 /face_size_px: is 3, expected an integer from 4 to 4096"},
+        {with("/face_size_px", 0), "422 /face_size_px: is 0, expected an integer from 1 to 4096"},
         {with("/face_size_px", 64.5), "400 /face_size_px: expected an integer"},
         {with("/face_size_px", 1e300), "400 /face_size_px: expected an integer"},
         {with("/seed", -1), "422 /seed: is -1"},

@@ -174,7 +174,9 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     // Two rays of truth in each of the sample's 384 pixels, for the exposure.
     EXPECT_EQ(pilot.search_cost.all_rays(), 768U);
     const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
-    EXPECT_EQ(result.settings, (RenderSettings{.kind = RendererKind::kReference, .leaf_grid = 1}));
+    EXPECT_EQ(
+        result.settings,
+        (RenderSettings{.kind = RendererKind::kReference, .leaf_grid = 1, .shifted_grid = true}));
     EXPECT_EQ(result.looks, 1);
     EXPECT_EQ(result.render_cost().all_rays(), owned_pixel_count(16));
     EXPECT_EQ(result.render_cost().level_histogram[0], result.render_cost().hits());

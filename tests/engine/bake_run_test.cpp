@@ -34,6 +34,12 @@ class BakeRunTest : public testing::Test {
                     file.sha256;
             }
         };
+        params.grid_sink = [&](const GridResult& result) {
+            for (const ProductFile& file : result.files) {
+                EXPECT_EQ(file.bytes.size(), file.size_bytes);
+                out.sha256[result.grid + "/" + result.state + "/" + file.name] = file.sha256;
+            }
+        };
         params.on_progress = [&](const BakeProgress& p) { out.progress.push_back(p); };
         params.row_sink = [&](const Json& row) { out.rows.push_back(row); };
         out.report = run_bake(params);
@@ -61,6 +67,39 @@ TEST_F(BakeRunTest, BakesEveryProbeInEveryStateWithTheSameBytesForAnyThreadCount
     EXPECT_EQ(one.rows[3]["probe"], "p1");
     EXPECT_EQ(one.rows[3]["state"], "emission");
     EXPECT_EQ(one.report["totals"]["cubemaps"], 10u);
+    for (const int threads : {2, 7}) EXPECT_EQ(bake(job, threads).sha256, one.sha256) << threads;
+}
+
+TEST_F(BakeRunTest, AGridHasItsAtlasesOncePerState) {
+    Json request = test::small_request(1, {{"rays", 40'000}});
+    const Json origin = request["probes"]["list"][0]["position_m"];
+    request["probes"] = {
+        {"grids",
+         {{{"id", "near"},
+           {"origin_m", origin},
+           {"spacing_m", {0.5, 0.25, 0.5}},
+           {"counts", {2, 2, 1}}},
+          {{"id", "far"}, {"origin_m", origin}, {"spacing_m", {1, 1, 1}}, {"counts", {1, 1, 2}}}}}};
+    request["lighting_states"] = {"albedo", "emission"};
+    request["products"] = {"sh", "ddgi"};
+    const JobSpec job = read_job(request);
+    const Outcome one = bake(job, 1);
+    EXPECT_EQ(one.sha256.size(), 6u * 2 + 2 * 2 * 2);
+    ASSERT_EQ(one.rows.size(), 6u * 2 + 2 * 2);
+    const Json& row = one.rows[13];
+    EXPECT_EQ(row["grid"], "near");
+    EXPECT_EQ(row["state"], "emission");
+    ASSERT_EQ(row["files"].size(), 2u);
+    EXPECT_EQ(row["files"][1]["sha256"], one.sha256.at("near/emission/ddgi-distance.exr"));
+    // Distances do not depend on what is seen; a black state's irradiance does.
+    EXPECT_NE(one.sha256.at("near/albedo/ddgi-irradiance.exr"),
+              one.sha256.at("near/emission/ddgi-irradiance.exr"));
+    uint64_t bytes = 0;
+    for (const Json& any : one.rows) {
+        for (const Json& file : any["files"]) bytes += file["bytes"].get<uint64_t>();
+    }
+    EXPECT_EQ(one.report["totals"]["bytes"], bytes);
+    EXPECT_LT(bytes, one.report["plan"]["output_bytes_at_most"].get<uint64_t>());
     for (const int threads : {2, 7}) EXPECT_EQ(bake(job, threads).sha256, one.sha256) << threads;
 }
 

@@ -2,7 +2,6 @@
 #include "image/layouts.h"
 
 #include <ImfEnvmap.h>
-#include <ImfRgbaFile.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "image/cubemaps.h"
 #include "image/exr.h"
+#include "image/rgb_file.h"
 #include "image/tools.h"
 #include "io/file.h"
 
@@ -158,19 +158,7 @@ class LayoutTools : public testing::Test {
     static bool contains(const std::string& text, const std::string& part) {
         return text.find(part) != std::string::npos;
     }
-    /// Any RGB file, HALF or FLOAT, at HALF precision.
-    Image read(const std::string& name) const {
-        Imf::RgbaInputFile file(path(name).c_str());
-        const Imath::Box2i window = file.dataWindow();
-        Image image(window.max.x + 1, window.max.y + 1);
-        std::vector<Imf::Rgba> values(image.pixels().size());
-        file.setFrameBuffer(values.data(), 1, static_cast<size_t>(image.width()));
-        file.readPixels(0, window.max.y);
-        for (size_t i = 0; i < values.size(); ++i) {
-            image.pixels()[i] = Rgb(values[i].r, values[i].g, values[i].b);
-        }
-        return image;
-    }
+    Image read(const std::string& name) const { return test::read_rgb_file(path(name)); }
 
     test::TemporaryFolder folder_;
 };

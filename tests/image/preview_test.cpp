@@ -144,5 +144,12 @@ TEST(Preview, RefusesWhatCannotBeShown) {
     EXPECT_THROW(encode_cross_png(cubemap, {.exposure = std::nan("")}), std::invalid_argument);
 }
 
+TEST(CountGrey, IsLogarithmicFromOneToWhite) {
+    EXPECT_EQ(count_grey(0.0, 256.0).r, 0.0f);
+    EXPECT_EQ(count_grey(1.0, 256.0).r, 0.0f);
+    EXPECT_FLOAT_EQ(count_grey(16.0, 256.0).g, 0.5f);
+    EXPECT_FLOAT_EQ(count_grey(256.0, 256.0).b, 1.0f);
+}
+
 }  // namespace
 }  // namespace probebake

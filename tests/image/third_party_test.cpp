@@ -1,6 +1,5 @@
 // What other programs say of our files and figures. A test skips where its program is missing.
 #include <ImfEnvmap.h>
-#include <ImfRgbaFile.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "image/cubemaps.h"
 #include "image/exr.h"
 #include "image/metrics.h"
+#include "image/rgb_file.h"
 #include "image/tools.h"
 #include "io/file.h"
 
@@ -124,14 +124,7 @@ class ExrenvmapTest : public ThirdParty {
         const auto run = run_tool("exrenvmap -l -w " + std::to_string(width) + " " +
                                   write("cube.exr", cubemap) + " " + latlong);
         EXPECT_EQ(run.status, 0) << run.text;
-        Imf::RgbaInputFile file(latlong.c_str());
-        std::vector<Imf::Rgba> values(static_cast<size_t>(width) * static_cast<size_t>(width / 2));
-        file.setFrameBuffer(values.data(), 1, static_cast<size_t>(width));
-        file.readPixels(0, width / 2 - 1);
-        Image image(width, width / 2);
-        std::transform(values.begin(), values.end(), image.pixels().begin(),
-                       [](const Imf::Rgba& c) { return Rgb(c.r, c.g, c.b); });
-        return image;
+        return test::read_rgb_file(latlong);
     }
 };
 

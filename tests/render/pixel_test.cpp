@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "render/render_fixture.h"
 
@@ -26,13 +29,16 @@ TEST(PixelRay, ConeStopsAtTheNodeNearestInSizeToThePixel) {
 
 TEST(PixelSums, StandardErrorIsThatOfTheMean) {
     const std::vector<double> values = {0.1, 0.7, 0.4, 0.35, 0.9, 0.2};
+    const VoxelTree tree;
+    const RenderScene scene{
+        .tree = tree, .color = tree.colors().albedo, .range = {.t_max = 1.0}, .near_limit = 0.7};
     PixelSums sums;
     double mean = 0.0;
     for (const double v : values) mean += v / 6.0;
     double variance = 0.0;
     for (const double v : values) variance += (v - mean) * (v - mean) / 5.0;
     for (const double v : values) {
-        sums.add(Rgb(static_cast<float>(v), 0.5f, 0.0f), 2.0 * v, 1.0, 1.0 / 6.0);
+        sums.add(scene, Rgb(static_cast<float>(v), 0.5f, 0.0f), 2.0 * v, 1.0 / 6.0);
     }
     EXPECT_NEAR(sums.standard_error().r, std::sqrt(variance / 6.0), 1e-6);
     EXPECT_NEAR(sums.standard_error().g, 0.0, 1e-6);
@@ -40,8 +46,12 @@ TEST(PixelSums, StandardErrorIsThatOfTheMean) {
     EXPECT_EQ(sums.samples, 6);
     // Distances 0.2, 1, 0.8, 0.7, 1, 0.4: capped at 1.
     EXPECT_NEAR(sums.distance, 4.1 / 6.0, 1e-12);
+    // And at 0.7: every ray, not their mean.
+    EXPECT_NEAR(sums.near_distance, 3.4 / 6.0, 1e-12);
+    EXPECT_NEAR(sums.squared_near_distance, (4 * 0.49 + 0.04 + 0.16) / 6.0, 1e-12);
+    EXPECT_NEAR(sums.scaled(2.0).squared_near_distance, 2.16 / 3.0, 1e-12);
     PixelSums single;
-    single.add(Rgb(1.0f), 1.0, 10.0, 1.0);
+    single.add(scene, Rgb(1.0f), 1.0, 1.0);
     EXPECT_EQ(single.standard_error(), Rgb(0.0f));
 }
 
@@ -70,6 +80,43 @@ TEST(StratifiedPixel, IsAnUnbiasedEstimateOfTheFootprintsMean) {
         EXPECT_NEAR(mean, truth.g, 4.0 * error + 2e-4) << x << ", " << y;
         EXPECT_GT(std::abs(mean + 0.015 - truth.g), 4.0 * error + 2e-4);  // a bias it must see
     }
+}
+
+/// Largest distance between what a run of shifts says of [−½, ½) and its length.
+double discrepancy(std::vector<double> shifts) {
+    std::sort(shifts.begin(), shifts.end());
+    const auto n = static_cast<double>(shifts.size());
+    double largest = 0.0;
+    for (size_t i = 0; i < shifts.size(); ++i) {
+        const double below = shifts[i] + 0.5;
+        largest = std::max({largest, std::abs(below - static_cast<double>(i) / n),
+                            std::abs(below - static_cast<double>(i + 1) / n)});
+    }
+    return largest;
+}
+
+TEST(GridShift, IsSpreadEvenlyAlongRowsAndColumns) {
+    // Runs of 16 random shifts: 0.21 in the mean.
+    double sum = 0.0;
+    int count = 0;
+    for (int at = 0; at < 512; at += 37) {
+        for (int start = 0; start < 496; start += 31) {
+            std::array<std::vector<double>, 4> runs;
+            for (int i = start; i < start + 16; ++i) {
+                runs[0].push_back(grid_shift(i, at).x);
+                runs[1].push_back(grid_shift(i, at).y);
+                runs[2].push_back(grid_shift(at, i).x);
+                runs[3].push_back(grid_shift(at, i).y);
+            }
+            for (const auto& run : runs) {
+                for (const double shift : run) ASSERT_TRUE(shift >= -0.5 && shift < 0.5);
+                ASSERT_LT(discrepancy(run), 0.21) << "row " << at << ", from " << start;
+                sum += discrepancy(run);
+                ++count;
+            }
+        }
+    }
+    EXPECT_LT(sum / count, 0.14);
 }
 
 TEST(UniformPixel, CountsItsRaysAndShowsTheBackgroundWhereNothingIsHit) {

@@ -114,6 +114,30 @@ TEST(Api, FilesAreComparedByTheirTag) {
     EXPECT_EQ(head->get_header_value("Content-Length"), std::to_string(other.body.size()));
 }
 
+TEST(Api, AGridsAtlasesLieBesideItsProbes) {
+    RunningService service;
+    Json request = test::net_request(1);
+    request["probes"] = {{"grids",
+                          {{{"id", "g"},
+                            {"origin_m", {2.1, 3.6, 7.3}},
+                            {"spacing_m", {2, 1, 1}},
+                            {"counts", {2, 1, 1}}}}}};
+    request["products"] = {"ddgi"};
+    const std::string id = service.bake(request);
+    for (const char* page : {"", "?page_token=u0"}) {  // in the end, and as seen while it ran
+        const Json rows =
+            service.get("/v1/bakes/" + id + "/probes" + std::string(page)).json().at("rows");
+        ASSERT_EQ(rows.size(), 3U);
+        EXPECT_TRUE(rows[0].at("files").empty());
+        EXPECT_EQ(rows[2].at("grid"), "g");
+        EXPECT_EQ(rows[2].at("files").at(0).at("name"), "ddgi-irradiance.exr");
+        const Answer file = service.get("/v1/bakes/" + id + "/probes/g/albedo/ddgi-irradiance.exr");
+        EXPECT_EQ(file.status, 200);
+        EXPECT_EQ(sha256_hex(std::as_bytes(std::span(file.body))),
+                  rows[2].at("files").at(0).at("sha256"));
+    }
+}
+
 TEST(Api, RowsComeInPages) {
     RunningService service;
     const std::string id = service.bake(test::net_request(7));
@@ -279,7 +303,7 @@ TEST(Api, CheckShowsThePlanAndKeepsNothing) {
     EXPECT_EQ(checked.json().at("effective_request").at("seed"), 5);
     EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 0U);
     Json bad = test::net_request(1);
-    bad["face_size_px"] = 3;
+    bad["face_size_px"] = 0;
     EXPECT_EQ(service.post("/v1/bakes:check", bad).status, 422);
 }
 

@@ -90,6 +90,21 @@ TEST_F(CommandsTest, ABakeLeavesFilesThatPreviewShows) {
     EXPECT_FALSE(fs::exists(path("none.png")));
 }
 
+TEST_F(CommandsTest, AGridsAtlasesHaveAFolderOfTheirOwn) {
+    Json request = test::net_request(1);
+    const Json origin = request["probes"]["list"][0]["position_m"];
+    request["probes"] = {
+        {"grids",
+         {{{"id", "g"}, {"origin_m", origin}, {"spacing_m", {1, 1, 1}}, {"counts", {2, 1, 1}}}}}};
+    request["products"] = {"cube", "ddgi"};
+    test::write_text(path("grid.json"), request.dump());
+    const std::string shown = run_on_scenes({"bake", path("grid.json"), "--out", path("grid_out")});
+    EXPECT_NE(shown.find("g-1-0-0/albedo"), std::string::npos) << shown;
+    EXPECT_TRUE(fs::exists(path("grid_out/g-1-0-0/albedo/cube.exr")));
+    EXPECT_TRUE(fs::exists(path("grid_out/g/albedo/ddgi-irradiance.exr")));
+    EXPECT_TRUE(fs::exists(path("grid_out/g/albedo/ddgi-distance.exr")));
+}
+
 TEST_F(CommandsTest, AJobThatCannotBeSaysWhere) {
     test::write_text(path("bad.json"), R"({"scene": "net", "probes": {"list": []}, "sed": 1})");
     Process process(folder_.path() / "command",

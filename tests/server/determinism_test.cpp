@@ -17,7 +17,11 @@ using Files = std::map<std::string, std::string>;
 Json request() {
     Json request = test::net_request(4, 16);
     request["quality"]["targets"] = {{"psnr_db", 30.0}};
-    request["products"] = {"cube", "aux", "latlong", "gl_faces", "sh"};
+    const Json origin = request["probes"]["list"][0]["position_m"];
+    request["probes"] = {
+        {"grids",
+         {{{"id", "g"}, {"origin_m", origin}, {"spacing_m", {3, 1, 0.1}}, {"counts", {2, 1, 2}}}}}};
+    request["products"] = {"cube", "aux", "latlong", "gl_faces", "sh", "specular", "ddgi"};
     request["lighting_states"] = {"albedo", "emission"};
     return request;
 }
@@ -42,6 +46,13 @@ Files without_http() {
                      files[probe.id + "/" + std::string(name_of(result.state)) + "/" +
                            product.name] = sha256_hex(product.bytes);
                  }
+             },
+         .grid_sink =
+             [&](const GridResult& result) {
+                 for (const ProductFile& product : result.files) {
+                     files[result.grid + "/" + result.state + "/" + product.name] =
+                         sha256_hex(product.bytes);
+                 }
              }});
     return files;
 }
@@ -53,7 +64,8 @@ Files over_http(const RunningService& service) {
     const Json page = service.get(path).json();
     for (const Json& row : page.at("rows")) {
         for (const Json& file : row.at("files")) {
-            const std::string name = "/" + row.at("probe").get<std::string>() + "/" +
+            const char* const of = row.contains("grid") ? "grid" : "probe";
+            const std::string name = "/" + row.at(of).get<std::string>() + "/" +
                                      row.at("state").get<std::string>() + "/" +
                                      file.at("name").get<std::string>();
             const std::string body = service.get(path + name).body;
@@ -65,7 +77,7 @@ Files over_http(const RunningService& service) {
 
 TEST(ServiceDeterminism, TheSameBytesOnAnyNumberOfThreads) {
     const Files expected = without_http();
-    ASSERT_EQ(expected.size(), 4U * 2 * 10);
+    ASSERT_EQ(expected.size(), 4U * 2 * 11 + 2 * 2);
     for (const int threads : {1, 2, 7}) {
         RunningService service([&](ServiceOptions& options) { options.threads = threads; });
         EXPECT_EQ(over_http(service), expected) << threads << " threads";

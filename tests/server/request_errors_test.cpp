@@ -45,7 +45,7 @@ TEST(RequestErrors, PointAtWhatIsWrong) {
         {changed("/a~1b", 1), "400 /a~1b"},
         {changed("/face_size_px", "64"), "400 /face_size_px"},
         {changed("/face_size_px", 64.7), "400 /face_size_px"},
-        {changed("/face_size_px", 3), "422 /face_size_px"},
+        {changed("/face_size_px", 0), "422 /face_size_px"},
         {changed("/face_size_px", 1e300), "400 /face_size_px"},
         {changed("/seed", -1), "422 /seed"},
         {changed("/probes/list/0/position_m/1", 1e7), "422 /probes/list/0/position_m/1"},
@@ -81,7 +81,7 @@ TEST(RequestErrors, PointAtWhatIsWrong) {
 TEST(RequestErrors, SeveralAreToldAtOnce) {
     const RunningService service;
     Json request = test::net_request(1);
-    request["face_size_px"] = 3;
+    request["face_size_px"] = 0;
     request["seed"] = -1;
     request["colour"] = 1;
     const Answer answer = service.post("/v1/bakes", request);

@@ -112,10 +112,10 @@ TEST_F(ServeTest, ClientsGoAllTheWay) {
 
 TEST_F(ServeTest, ClientsSayWhatWentWrong) {
     serve();
-    write_text(path("bad.json"), R"({"scene": "net", "face_size_px": 3, "probes": {}})");
+    write_text(path("bad.json"), R"({"scene": "net", "face_size_px": 0, "probes": {}})");
     const Ran bad = client({"submit", path("bad.json")});
     EXPECT_EQ(bad.code, 1);
-    EXPECT_NE(bad.err.find("/face_size_px: is 3"), std::string::npos) << bad.err;
+    EXPECT_NE(bad.err.find("/face_size_px: is 0"), std::string::npos) << bad.err;
     const Ran unknown = client({"status", "b-0"});
     EXPECT_EQ(unknown.code, 1);
     EXPECT_NE(unknown.err.find("Not Found (404): there is no bake"), std::string::npos);

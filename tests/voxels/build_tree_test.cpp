@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "support/random_cloud.h"
+#include "voxels/filled_box.h"
 #include "voxels/voxel_tree.h"
 
 namespace probebake {
@@ -51,6 +52,24 @@ TEST(BuildTree, HoldsExactlyTheVoxelsGiven) {
         }
         EXPECT_FALSE(tree.occupied({-1, 0, 0}));
         EXPECT_FALSE(tree.occupied({0, 1 << cloud.depth, 0}));
+    }
+}
+
+TEST(FilledBox, TouchesVoxelsOnEverySide) {
+    for (const auto& [name, cloud] : test::named_clouds()) {
+        const Box box = filled_box(VoxelTree::build(cloud));
+        IVec3 low(1 << kMaxDepth);
+        IVec3 high(-1);
+        for (const Voxel& voxel : cloud.voxels) {
+            low = glm::min(low, morton_decode(voxel.morton()));
+            high = glm::max(high, morton_decode(voxel.morton()));
+        }
+        if (cloud.voxels.empty()) {
+            EXPECT_GT(box.low.x, box.high.x) << name;
+            continue;
+        }
+        EXPECT_EQ(box.low, Vec3(low)) << name;
+        EXPECT_EQ(box.high, Vec3(high + 1)) << name;
     }
 }
 

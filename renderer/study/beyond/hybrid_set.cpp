@@ -2,14 +2,15 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <cmath>
 
 #include "math/sampling.h"
+#include "render/tile_lists.h"
 
 namespace probebake::study {
 namespace {
 
-constexpr int kTile_px = 8;
 constexpr uint32_t kTruthRays = 256;
 /// Prices are sought between these powers of ten.
 constexpr double kLowestPrice = -20.0;
@@ -18,87 +19,54 @@ constexpr int kHalvings = 30;
 constexpr size_t kPart = 8192;
 constexpr uint64_t kTruthPlaces = 0x74727574'68000000;
 
-/// Pixels of a view before the neighbours' contrast is known.
-struct FirstPass {
-    std::vector<StartList> lists;
-    std::vector<Neighbour> first;
-};
-
 class Recorder {
   public:
     Recorder(const RenderScene& scene, const FaceView& at, const HybridSwitches& switches)
-        : scene_(scene), at_(at), switches_(switches), width_(at.view.width_px) {}
+        : scene_(scene), at_(at), switches_(switches), lists_(at.view, switches.start_lists) {}
 
     /// Adds the pixels of the view and returns the steps of its start lists.
     uint64_t record(const Image& truth, std::vector<RecordedPixel>& pixels) {
-        make_lists();
+        const uint64_t list_steps = make_lists();
         const size_t count = truth.pixels().size();
         first_.assign(count, {});
         std::vector<HybridPixel> states(count);
         tbb::parallel_for(0, at_.view.height_px, [&](int y) {
-            for (int x = 0; x < width_; ++x) {
+            for (int x = 0; x < at_.view.width_px; ++x) {
                 if (!at_.renders(x, y)) continue;
-                cast_stage(cast_at(x, y), states[index(x, y)]);
-                first_[index(x, y)] = {states[index(x, y)].color(), true};
+                cast_stage(cast_at(x, y), states[at_.view.index(x, y)]);
+                first_[at_.view.index(x, y)] = {states[at_.view.index(x, y)].color(), true};
             }
         });
         std::vector<RecordedPixel> recorded(count);
         tbb::parallel_for(0, at_.view.height_px, [&](int y) {
-            for (int x = 0; x < width_; ++x) {
+            for (int x = 0; x < at_.view.width_px; ++x) {
                 if (!at_.renders(x, y)) continue;
-                RecordedPixel& pixel = recorded[index(x, y)];
-                finish(x, y, states[index(x, y)], pixel);
+                RecordedPixel& pixel = recorded[at_.view.index(x, y)];
+                finish(x, y, states[at_.view.index(x, y)], pixel);
                 pixel.truth = Vec3(truth.at(x, y));
             }
         });
         for (size_t i = 0; i < count; ++i) {
             if (first_[i].there) pixels.push_back(recorded[i]);
         }
-        uint64_t steps = 0;
-        for (const StartList& list : lists_) steps += list.steps;
-        return steps;
+        return list_steps;
     }
 
   private:
-    size_t index(int x, int y) const {
-        return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
-    }
-    int tiles_across() const { return (width_ + kTile_px - 1) / kTile_px; }
-
-    void make_lists() {
-        if (!switches_.start_lists) return;
-        const int tiles_down = (at_.view.height_px + kTile_px - 1) / kTile_px;
-        lists_.resize(static_cast<size_t>(tiles_across() * tiles_down));
-        tbb::parallel_for(size_t{0}, lists_.size(), [&](size_t tile) {
-            const int x0 = static_cast<int>(tile) % tiles_across() * kTile_px;
-            const int y0 = static_cast<int>(tile) / tiles_across() * kTile_px;
-            const PixelRect rect{x0, y0, std::min(x0 + kTile_px, width_) - 1,
-                                 std::min(y0 + kTile_px, at_.view.height_px) - 1};
-            lists_[tile] = start_list(scene_.tree, pixel_beam(at_.view, rect, 1.0));
-        });
+    /// Returns their steps.
+    uint64_t make_lists() {
+        std::atomic<uint64_t> steps{0};
+        tbb::parallel_for(0, lists_.tiles(),
+                          [&](int tile) { steps += lists_.make(scene_.tree, at_.view, tile); });
+        return steps;
     }
 
     HybridCast cast_at(int x, int y) const {
-        const StartList* from =
-            lists_.empty()
-                ? nullptr
-                : &lists_[static_cast<size_t>(y / kTile_px * tiles_across() + x / kTile_px)];
-        return {scene_, at_.view, x, y, switches_, from};
-    }
-
-    double contrast(int x, int y) const {
-        std::array<Neighbour, 9> block;
-        for (int i = 0; i < 9; ++i) {
-            const int nx = x + i % 3 - 1;
-            const int ny = y + i / 3 - 1;
-            if (nx < 0 || ny < 0 || nx >= width_ || ny >= at_.view.height_px) continue;
-            block[static_cast<size_t>(i)] = first_[index(nx, ny)];
-        }
-        return neighbour_contrast(block);
+        return {scene_, at_.view, x, y, switches_, lists_.at(x, y)};
     }
 
     void finish(int x, int y, HybridPixel& state, RecordedPixel& pixel) const {
-        state.evidence.contrast = contrast(x, y);
+        state.evidence.contrast = neighbour_contrast(first_, at_.view, x, y);
         for (int stage = 0; stage < kRecordedStages; ++stage) {
             if (stage > 0) cast_stage(cast_at(x, y), state);
             pixel.stages[static_cast<size_t>(stage)] = {
@@ -113,18 +81,13 @@ class Recorder {
     const RenderScene& scene_;
     const FaceView& at_;
     const HybridSwitches& switches_;
-    int width_;
-    std::vector<StartList> lists_;
+    TileLists lists_;
     std::vector<Neighbour> first_;
 };
 
 }  // namespace
 
-bool FaceView::renders(int x, int y) const {
-    if (!face) return true;
-    const CubePixel pixel{*face, x, y};
-    return owner_of(pixel, view.width_px) == pixel;
-}
+bool FaceView::renders(int x, int y) const { return renders_pixel(face, x, y, view.width_px); }
 
 std::vector<FaceView> cubemap_views(std::span<const Vec3> positions, int n) {
     std::vector<FaceView> views;

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "error/node_error.h"
-#include "math/sh.h"
+#include "image/metrics.h"
+#include "image/sh_projection.h"
 #include "render/render.h"
 #include "scene/suggest_probes.h"
 #include "study/record_set.h"
@@ -212,36 +212,17 @@ Json ablation_on(const RenderScene& scene, const ViewSet& set, const ThesisSet& 
     return rows;
 }
 
-/// RMS over directions and channels of the difference of irradiance, of order 2, relative to the
-/// root mean square of the truth's.
+/// Root of the summed squares of the difference of irradiance, of order 2, over that of the
+/// truth's.
 double irradiance_error(std::span<const Cubemap> of, std::span<const Cubemap> truth) {
-    constexpr std::array<double, 3> kCosine = {std::numbers::pi, 2.0 * std::numbers::pi / 3.0,
-                                               std::numbers::pi / 4.0};
     double difference = 0.0;
     double whole = 0.0;
     for (size_t p = 0; p < of.size(); ++p) {
-        std::array<Vec3, kShCount> a{};
-        std::array<Vec3, kShCount> b{};
-        const int n = of[p].face_size();
-        for (const CubeFace face : kCubeFaces) {
-            const View view = cube_face_view(face, n, Vec3(0.0));
-            for (int y = 0; y < n; ++y) {
-                for (int x = 0; x < n; ++x) {
-                    const CubePixel pixel{face, x, y};
-                    const Sh9 basis = sh_basis(glm::normalize(view.direction(x, y)));
-                    const double w = pixel_solid_angle(x, y, n);
-                    for (size_t i = 0; i < kShCount; ++i) {
-                        a[i] += w * basis[i] * Vec3(of[p].at(pixel));
-                        b[i] += w * basis[i] * Vec3(truth[p].at(pixel));
-                    }
-                }
-            }
-        }
-        for (size_t i = 0; i < kShCount; ++i) {
-            const double cosine = kCosine[i == 0 ? 0 : i < 4 ? 1 : 2];
-            difference += cosine * cosine * glm::dot(a[i] - b[i], a[i] - b[i]);
-            whole += cosine * cosine * glm::dot(b[i], b[i]);
-        }
+        const ShRgb right = project_sh(truth[p]);
+        ShRgb wrong = project_sh(of[p]);
+        for (size_t i = 0; i < wrong.size(); ++i) wrong[i] -= right[i];
+        difference += std::pow(irradiance_norm(wrong), 2);
+        whole += std::pow(irradiance_norm(right), 2);
     }
     return whole > 0.0 ? std::sqrt(difference / whole) : 0.0;
 }
@@ -264,67 +245,85 @@ std::vector<Cubemap> cubemaps_of(std::span<const Image> faces) {
     return cubes;
 }
 
-/// One leaf ray per pixel, and its steps from the root and from start lists.
+/// The scene's probes by a renderer itself.
+struct RenderedProbes {
+    std::vector<Cubemap> cubes;
+    CostStats stats;
+
+    RenderedProbes(const RenderScene& scene, std::span<const Vec3> positions,
+                   const RenderSettings& settings) {
+        for (const Vec3& position : positions) {
+            const CubemapRender render = render_cubemap(scene, position, kFace_px, settings, {});
+            cubes.push_back(render.color);
+            stats += render.total();
+        }
+    }
+
+    double rmse(std::span<const Cubemap> truth) const {
+        double sum = 0.0;
+        for (size_t p = 0; p < cubes.size(); ++p) {
+            const double one = compare_cubemaps(cubes[p], truth[p], 1.0).cube.rmse;
+            sum += one * one;
+        }
+        return std::sqrt(sum / static_cast<double>(cubes.size()));
+    }
+};
+
+/// One leaf ray per pixel, as jobs for irradiance begin, and in the middles of the pixels.
 Json irradiance_of(const RenderScene& scene, const ViewSet& set, const ThesisSet& thesis,
                    std::span<const Vec3> positions) {
-    std::vector<Cubemap> one_ray;
-    CostStats from_root;
-    for (const Vec3& position : positions) {
-        const CubemapRender render = render_cubemap(
-            scene, position, kFace_px, {.kind = RendererKind::kReference, .leaf_grid = 1}, {});
-        one_ray.push_back(render.color);
-        from_root += render.total();
-    }
     const std::vector<Cubemap> truth = cubemaps_of(set.truth);
-    return {{"error", irradiance_error(one_ray, truth)},
-            {"steps_per_base",
-             static_cast<double>(from_root.steps) / static_cast<double>(thesis.base_steps())}};
+    Json json;
+    for (const bool shifted : {true, false}) {
+        const RenderedProbes probes(
+            scene, positions,
+            {.kind = RendererKind::kReference, .leaf_grid = 1, .shifted_grid = shifted});
+        json[shifted ? "error" : "error_of_middles"] = irradiance_error(probes.cubes, truth);
+        json["steps_per_base"] =
+            static_cast<double>(probes.stats.steps) / static_cast<double>(thesis.base_steps());
+    }
+    return json;
+}
+
+/// The lowest threshold whose steps stay within some, by trying them downwards.
+double lowest_threshold(const ThesisSet& thesis, uint64_t steps) {
+    constexpr double kHighest = 1.5;
+    constexpr double kLowest = -0.25;
+    constexpr double kStep = (kHighest - kLowest) / 400.0;
+    double threshold = kLowest;
+    for (double t = kHighest; t > kLowest; t -= kStep) {
+        const auto at = thesis.outcome(
+            [t](const PixelRecord& pixel) { return error_aware_outcome(pixel, t, kThesisDecay); });
+        if (at.steps > steps) break;
+        threshold = t;
+    }
+    return threshold;
 }
 
 /// Seconds of one thread for the same error on the probes, taken in turns: the thesis's renderer at
 /// 4 × base and the hybrid with and without start lists.
 Json time_for_same_error(const RenderScene& scene, const ViewSet& set, const ThesisSet& thesis,
                          const HybridSet& hybrid, std::span<const Vec3> positions) {
-    const auto steps = static_cast<uint64_t>(4.0 * static_cast<double>(thesis.base_steps()));
-    double threshold = -0.25;
-    for (double t = 1.5; t > -0.25; t -= 1.75 / 400.0) {
-        const auto at = thesis.outcome(
-            [t](const PixelRecord& pixel) { return error_aware_outcome(pixel, t, kThesisDecay); });
-        if (at.steps > steps) break;
-        threshold = t;
-    }
+    const double threshold = lowest_threshold(
+        thesis, static_cast<uint64_t>(4.0 * static_cast<double>(thesis.base_steps())));
     const auto wanted = thesis.outcome([threshold](const PixelRecord& pixel) {
         return error_aware_outcome(pixel, threshold, kThesisDecay);
     });
     const double price = hybrid.price_for_error(model_score(), wanted.rmse);
-    const RenderSettings error_aware{.threshold = threshold};
     const RenderSettings listed{.kind = RendererKind::kHybrid, .leaf_grid = 8, .price = price};
-    const RenderSettings plain{.kind = RendererKind::kHybrid,
-                               .leaf_grid = 8,
-                               .price = price,
-                               .hybrid = {.start_lists = false}};
-    constexpr int kRuns = 3;
+    RenderSettings plain = listed;
+    plain.hybrid.start_lists = false;
+    const std::array<RenderSettings, 3> renderers = {RenderSettings{.threshold = threshold}, listed,
+                                                     plain};
+    constexpr size_t kRuns = 3;
     std::array<std::array<double, kRuns>, 3> seconds{};
     std::array<double, 3> rmse{};
     const std::vector<Cubemap> truth = cubemaps_of(set.truth);
     for (size_t run = 0; run < kRuns; ++run) {
-        size_t which = 0;
-        for (const RenderSettings* settings : {&error_aware, &listed, &plain}) {
-            double squared = 0.0;
-            for (size_t p = 0; p < positions.size(); ++p) {
-                const CubemapRender render =
-                    render_cubemap(scene, positions[p], kFace_px, *settings, {});
-                seconds[which][run] += render.total().seconds;
-                const std::span<const Rgb> a = render.color.image().pixels();
-                const std::span<const Rgb> b = truth[p].image().pixels();
-                for (size_t i = 0; i < a.size(); ++i) {
-                    const Vec3 difference(a[i] - b[i]);
-                    squared += glm::dot(difference, difference) / 3.0;
-                }
-            }
-            const auto pixels =
-                static_cast<double>(positions.size() * kFaceCount) * kFace_px * kFace_px;
-            rmse[which++] = std::sqrt(squared / pixels);
+        for (size_t which = 0; which < renderers.size(); ++which) {
+            const RenderedProbes probes(scene, positions, renderers[which]);
+            seconds[which][run] = probes.stats.seconds;
+            rmse[which] = probes.rmse(truth);
         }
     }
     const auto median = [&](size_t which) {
@@ -336,7 +335,7 @@ Json time_for_same_error(const RenderScene& scene, const ViewSet& set, const The
             {"price", price},
             {"hybrid_over_thesis", median(1) / thesis_seconds},
             {"without_lists_over_thesis", median(2) / thesis_seconds},
-            {"rmse", {rmse[0], rmse[1], rmse[2]}}};
+            {"rmse", rmse}};
 }
 
 }  // namespace

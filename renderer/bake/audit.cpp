@@ -137,7 +137,6 @@ class AuditRun {
     void audit_pixels() {
         const std::vector<double> probability = draw_probabilities(spec_);
         const int draws = number_of_draws(spec_, probability);
-        if (spec_.rel_mse) floor_ = relative_floor(mean_value());
         std::vector<double> cumulative(probability.size());
         double sum = 0.0;
         for (size_t i = 0; i < probability.size(); ++i) cumulative[i] = sum += probability[i];
@@ -150,31 +149,49 @@ class AuditRun {
                 std::min(static_cast<size_t>(at - cumulative.begin()), cumulative.size() - 1));
         }
         std::vector<double> errors(drawn.size());
-        std::vector<double> relative(spec_.rel_mse ? drawn.size() : 0);
+        std::vector<TruthPair> truths(drawn.size());
+        std::vector<double> weights(drawn.size());
         std::vector<ShDraw> differences(spec_.sh ? drawn.size() : 0);
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
             const Rgb& value = spec_.as_written.at(pixel);
-            const TruthPair truth = truth_of(pixel, i, truth_grid(spec_, drawn[i]), stats);
+            const TruthPair truth = truths[i] =
+                truth_of(pixel, i, truth_grid(spec_, drawn[i]), stats);
             const double error = squared_error(value, truth, spec_.exposure);
             const double inverse =
                 1.0 / (static_cast<double>(probability.size()) * probability[drawn[i]]);
-            const double weight = pixel_weight(spec_.weighting, pixel, n_) * inverse;
-            errors[i] = weight * error;
-            if (spec_.rel_mse) {
-                relative[i] = weight * relative_squared_error(value, truth, spec_.exposure, floor_);
-            }
+            weights[i] = pixel_weight(spec_.weighting, pixel, n_) * inverse;
+            errors[i] = weights[i] * error;
             if (!spec_.sh) return;
             const Vec3 mean = (Vec3(truth.r1) + Vec3(truth.r2)) / 2.0;
             differences[i] = {pixel, (Vec3(value) - mean) / probability[drawn[i]]};
         });
         audit_.error.mse = mean_of(errors);
-        if (spec_.rel_mse) audit_.error.rel_mse = mean_of(relative);
+        if (spec_.rel_mse) audit_.error.rel_mse = relative_error(drawn, truths, weights);
         audit_.pixels = drawn.size();
         audit_.predicted = mean_prediction();
         if (!spec_.sh) return;
         audit_.sh = audit_sh(differences, n_);
         audit_.error.irradiance = relative_irradiance(*audit_.sh, project_sh(spec_.as_written));
+    }
+
+    Estimate relative_error(const std::vector<size_t>& drawn, const std::vector<TruthPair>& truths,
+                            const std::vector<double>& weights) const {
+        double mean = mean_value();  // and from that of the file to that of the truth
+        for (size_t i = 0; i < drawn.size(); ++i) {
+            const Vec3 r = (Vec3(truths[i].r1) + Vec3(truths[i].r2)) / 2.0;
+            const Vec3 missing = r - Vec3(spec_.as_written.at(pixel_at(drawn[i], n_)));
+            mean += weights[i] * (missing.r + missing.g + missing.b) /
+                    (3.0 * spec_.exposure * static_cast<double>(drawn.size()));
+        }
+        const double floor = relative_floor(mean);
+        std::vector<double> errors(drawn.size());
+        for (size_t i = 0; i < drawn.size(); ++i) {
+            const Rgb& value = spec_.as_written.at(pixel_at(drawn[i], n_));
+            errors[i] =
+                weights[i] * relative_squared_error(value, truths[i], spec_.exposure, floor);
+        }
+        return mean_of(errors);
     }
 
     static Estimate mean_of(const std::vector<double>& values) {
@@ -192,7 +209,7 @@ class AuditRun {
         return sum / static_cast<double>(spec_.aux.size()) / (spec_.exposure * spec_.exposure);
     }
 
-    /// Of the file, over pixels and channels: as good as the truth's, which is not known.
+    /// Of the file, over pixels and channels.
     double mean_value() const {
         double sum = 0.0;
         for (size_t i = 0; i < spec_.aux.size(); ++i) {
@@ -241,7 +258,6 @@ class AuditRun {
     const AuditSpec& spec_;
     const CancelToken& cancel_;
     int n_;
-    double floor_ = 0.0;  // of relative errors
     Audit audit_;
 };
 

@@ -4,11 +4,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/probe_files.h"
 #include "bake/probe_view.h"
-#include "bake/sh_file.h"
 #include "image/exr.h"
-#include "image/layouts.h"
-#include "image/specular.h"
 #include "image/ssim.h"
 #include "render/hybrid.h"
 #include "render/hybrid_view.h"
@@ -25,6 +23,12 @@ constexpr double kTeachingShare = 0.3;
 /// deviation: its own is within 0.3 then.
 constexpr double kTellingDraws = 12.0;
 constexpr double kLeafRaysShare = 0.1;
+/// Where a probe seems good enough, or cannot be refined, looking harder is cheaper than refining:
+/// the next audit casts so many times the rays. It seems so while its own audits find at most this
+/// share of the error that the target allows.
+constexpr double kHarderLook = 4.0;
+constexpr double kSeemsMet = 0.3;
+/// As good as met, for leaf rays alone, at this confidence.
 constexpr double kLeafRaysConfidence = 0.7;
 constexpr int kLeastAuditPixels = 24;
 constexpr int kLeastIrradianceDraws = 64;
@@ -69,7 +73,16 @@ class Unit {
         } else {
             render_until_good();
         }
-        encode();
+        result_.limited = render_.limited || params_.out_of_time;
+        result_.faces = render_.faces;
+        result_.pixels = render_.pixels;
+        make_files({.scene = scene_,
+                    .job = job_,
+                    .state = pilot_.state,
+                    .exposure = pilot_.exposure,
+                    .render = render_,
+                    .as_written = as_written_},
+                   result_);
         result_.wall_seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return std::move(result_);
@@ -114,10 +127,23 @@ class Unit {
             take(cubemap.render());
             if (!audits()) return;
             look();
-            if (result_.target_met || finest || result_.looks == kMaxLooks) return;
-            goal = predicted * next_step();
+            if (result_.target_met || result_.looks == kMaxLooks) return;
             ++result_.looks;
+            if (finest || seems_met()) {
+                audit_effort_ *= kHarderLook;
+            } else {
+                goal = predicted * next_step();
+            }
         }
+    }
+
+    /// By what its own audits found, whatever is usual in the job.
+    bool seems_met() const {
+        return targets_meet(job_.quality, [&](const QualityTarget& target) {
+            const auto t = static_cast<size_t>(&target - job_.quality.targets.data());
+            if (result_.pooled[t]) return audits_[t].measured <= kSeemsMet * *largest_size(target);
+            return bound_meets(target, result_.certificate.error, result_.confidence);
+        });
     }
 
     /// Of the weights that pixels' predicted errors have in the metric's mean.
@@ -161,12 +187,23 @@ class Unit {
         result_.settings = pilot_.settings;
         if (params_.out_of_time) result_.settings = {.kind = RendererKind::kLod};
         size_t next = 0;
+        bool fresh = true;
         for (;;) {
-            take(render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
-                                cancel_, ray_limit(job_, probe_)));
+            if (fresh) {
+                take(render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
+                                    cancel_, ray_limit(job_, probe_)));
+            }
             if (!audits()) return;
             look();
-            if (good_enough() || !may_look_again(next)) return;
+            if (result_.target_met || !may_look_again(next)) return;
+            if (as_good_as_met()) {
+                if (may_be_pooled()) return;
+                ++result_.looks;
+                audit_effort_ *= kHarderLook;
+                fresh = false;
+                continue;
+            }
+            fresh = true;
             next = next_finer(next, result_.certificate.error);
             result_.earlier_renders += render_.total();
             render_mse_ = pilot_.finer[next].mse;
@@ -175,12 +212,12 @@ class Unit {
         }
     }
 
-    /// Where the mean of all probes may speak for a probe, it need not be sure itself.
-    bool good_enough() const {
-        return result_.target_met ||
-               (wants_leaf_rays_only(job_) &&
-                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence));
+    bool as_good_as_met() const {
+        return wants_leaf_rays_only(job_) &&
+               bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
     }
+    /// Where the mean of all probes may speak for a probe, it need not be sure itself.
+    bool may_be_pooled() const { return probes_to_learn_from(job_) > 0; }
 
     bool may_look_again(size_t next) const {
         return !params_.out_of_time && !render_.limited &&
@@ -253,11 +290,16 @@ class Unit {
         result_.pooled[t] = pooled;
         const bool tells =
             static_cast<double>(ratio->draws) >= kTellingDraws * prior.draw_cv * prior.draw_cv;
+        // Where it tells that the probe is unlike the others of its job, it alone counts.
+        const Interval own = error_size(target.metric, error)->interval(result_.confidence);
+        if (tells && !(pooled.value >= own.low && pooled.value <= own.high)) {
+            result_.pooled[t].reset();
+        }
         if (tells && own_meets) return EvidenceOf::kProbe;
         const double allowed = *largest_size(target);
-        const double near_end = error_size(target.metric, error)->interval(result_.confidence).low;
-        return pooled.upper <= allowed && near_end <= allowed ? EvidenceOf::kJob
-                                                              : EvidenceOf::kNone;
+        return result_.pooled[t] && pooled.upper <= allowed && own.low <= allowed
+                   ? EvidenceOf::kJob
+                   : EvidenceOf::kNone;
     }
 
     /// What the last audit says beside the renderer's prediction; none without steering.
@@ -279,7 +321,7 @@ class Unit {
                              : pilot_.truth_grid;
         const double one_shot = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
         const double share = wants_leaf_rays_only(job_) ? kLeafRaysShare : one_shot;
-        const double rays = share * static_cast<double>(render_.total().all_rays());
+        const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
         AuditSpec spec{
             .scene = render_scene_,
             .origin = origin_,
@@ -307,113 +349,6 @@ class Unit {
         return audit_cubemap(spec, cancel_);
     }
 
-    ProbeAttributes attributes() const {
-        ProbeAttributes out = state_attributes(scene_, job_, pilot_.state);
-        out.id = probe_.id;
-        out.position_m = probe_.position_m;
-        out.near_m = probe_.near_m;
-        out.far_m = result_.far_m;
-        out.valid = !result_.inside_voxel;
-        if (result_.certificate.pixels > 0) add_errors(out);
-        return out;
-    }
-
-    void add_errors(ProbeAttributes& out) const {
-        const double confidence = job_.quality.evidence.confidence;
-        const ErrorFigures figures = error_figures(job_.quality, result_);
-        out.texts["probe:err:evidence"] = name_of(result_.evidence);
-        out.texts["probe:err:against"] = name_of(job_.quality.against);
-        out.numbers["probe:err:exposure"] = pilot_.exposure;
-        out.numbers["probe:err:confidence"] = confidence;
-        out.numbers["probe:err:pixels"] = static_cast<double>(result_.certificate.pixels);
-        out.numbers["probe:err:rmse"] = figures.rmse;
-        out.numbers["probe:err:rmseLow"] = figures.rmse_interval.low;
-        out.numbers["probe:err:rmseHigh"] = figures.rmse_interval.high;
-    }
-
-    void encode() {
-        result_.limited = render_.limited || params_.out_of_time;
-        result_.faces = render_.faces;
-        result_.pixels = render_.pixels;
-        const ProbeAttributes attributes = this->attributes();
-        if (job_.products.cube) {
-            add_cubemap("cube.exr", encode_cubemap(render_.color, attributes));
-        }
-        if (job_.products.latlong) {
-            add_cubemap("latlong.exr",
-                        encode_layout(latlong_of(render_.color), ExrLayout::kLatlong, attributes));
-        }
-        for (const CubeFace face : kCubeFaces) {
-            if (!job_.products.gl_faces) break;
-            add_cubemap(
-                std::string(kGlFaceNames[static_cast<size_t>(index_of(face))]) + ".exr",
-                encode_layout(gl_face_of(render_.color, face), ExrLayout::kPlain, attributes));
-        }
-        if (job_.products.aux) add_file("aux.exr", encode_aux(aux(), attributes));
-        if (job_.products.sh) {
-            add_file("sh.json", encode_sh({.radiance = project_sh(as_written_),
-                                           .audit = result_.certificate.sh,
-                                           .confidence = result_.confidence,
-                                           .probe = attributes}));
-        }
-        if (job_.products.specular) add_specular(attributes);
-        if (job_.products.ddgi) result_.ddgi = ddgi_tile(render_.color, near_distances());
-    }
-
-    /// One file per mip; the audit's figures are those of the cube, not of these.
-    void add_specular(ProbeAttributes attributes) {
-        std::erase_if(attributes.texts,
-                      [](const auto& item) { return item.first.starts_with("probe:err:"); });
-        std::erase_if(attributes.numbers,
-                      [](const auto& item) { return item.first.starts_with("probe:err:"); });
-        const int n = probe_.face_size_px;
-        const int mips = specular_mips(n);
-        attributes.numbers["probe:specular:mips"] = mips;
-        std::optional<SphereFilter> filter;
-        if (mips > 1) filter.emplace(render_.color);
-        for (int mip = 0; mip < mips; ++mip) {
-            const double roughness = specular_roughness(mip, mips);
-            attributes.numbers["probe:specular:mip"] = mip;
-            attributes.numbers["probe:specular:roughness"] = roughness;
-            const Cubemap cube =
-                mip == 0 ? render_.color : specular_of(*filter, roughness * roughness, n >> mip);
-            add_cubemap("specular-" + std::to_string(mip) + ".exr",
-                        encode_cubemap(cube, attributes));
-        }
-    }
-
-    /// Means and mean squares for ddgi_tile.
-    Cubemap near_distances() const {
-        Cubemap distances(probe_.face_size_px);
-        const double metre = scene_.voxel_size_m;
-        for (size_t i = 0; i < render_.aux.size(); ++i) {
-            const PixelAux& pixel = render_.aux[i];
-            distances.image().pixels()[i] = Rgb(Vec3(
-                pixel.near_distance * metre, pixel.squared_near_distance * metre * metre, 0.0));
-        }
-        return distances;
-    }
-
-    CubeAux aux() const {
-        CubeAux aux{.face_size = probe_.face_size_px};
-        const double metre = scene_.voxel_size_m;
-        for (const PixelAux& pixel : render_.aux) {
-            aux.pixels.push_back({static_cast<float>(pixel.distance * metre),
-                                  static_cast<float>(pixel.squared_distance * metre * metre),
-                                  pixel.standard_error, static_cast<uint32_t>(pixel.samples)});
-        }
-        return aux;
-    }
-
-    void add_cubemap(std::string name, EncodedCubemap file) {
-        result_.is_float |= file.is_float;
-        add_file(std::move(name), std::move(file.bytes));
-    }
-
-    void add_file(std::string name, std::vector<std::byte> bytes) {
-        result_.files.push_back(make_product_file(std::move(name), std::move(bytes)));
-    }
-
     const Scene& scene_;
     const JobSpec& job_;
     const Pilot& pilot_;
@@ -426,6 +361,7 @@ class Unit {
     Cubemap as_written_;
     double render_mse_;                 // what the pilot found for the settings of the render
     std::vector<AuditedRatio> audits_;  // all of this probe, one per target
+    double audit_effort_ = 1.0;
     ProbeResult result_;
 };
 
@@ -456,19 +392,6 @@ CostStats ProbeResult::render_cost() const {
     CostStats total;
     for (const CostStats& face : faces) total += face;
     return total;
-}
-
-ProbeAttributes state_attributes(const Scene& scene, const JobSpec& job, const ReadyState& state) {
-    ProbeAttributes out;
-    out.owner = "probebake " PROBEBAKE_VERSION;
-    out.state = name_of(state.spec);
-    out.unit = state.spec.kind == LightingState::Kind::kAlbedo ? "1" : "W.m^-2.sr^-1";
-    out.scene_sha256 = scene.sha256;
-    out.seed = job.seed;
-    if (state.light != nullptr && !state.light->sky_sha256.empty()) {
-        out.texts["probe:skySha256"] = state.light->sky_sha256;
-    }
-    return out;
 }
 
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,

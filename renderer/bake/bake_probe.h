@@ -84,9 +84,6 @@ void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel);
 
-/// What the headers of all files of a job's state say: owner, state, scene, sky, seed, unit.
-ProbeAttributes state_attributes(const Scene& scene, const JobSpec& job, const ReadyState& state);
-
 /// Rays that a unit may cast, from the target and the budget; none: as many as its settings ask
 /// for.
 std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe);

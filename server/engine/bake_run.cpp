@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "bake/probe_files.h"
 #include "engine/remaining_time.h"
 
 namespace probebake {

@@ -84,7 +84,11 @@ TEST_F(AuditTest, EstimatesTheErrorOfTheWholeCubeWithoutBias) {
 TEST_F(AuditTest, EstimatesTheRelativeErrorOfTheWholeCube) {
     const CubemapRender render = this->render({.kind = RendererKind::kLod});
     const Cubemap as_written = rounded_to_file(render.color);
-    const double expected = *compare_cubemaps(as_written, truth(), 0.8).cube.rel_mse;
+    // Dark pixels weigh so much that the truth has to be finer than the other tests'.
+    const Cubemap truth =
+        this->render({.kind = RendererKind::kReference, .leaf_grid = 96, .shifted_grid = true})
+            .color;
+    const double expected = *compare_cubemaps(as_written, truth, 0.8).cube.rel_mse;
     Moments moments;
     for (uint64_t run = 0; run < 300; ++run) {
         const Audit audit = audit_cubemap({.scene = what_,

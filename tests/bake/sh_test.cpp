@@ -177,7 +177,6 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     EXPECT_EQ(
         result.settings,
         (RenderSettings{.kind = RendererKind::kReference, .leaf_grid = 1, .shifted_grid = true}));
-    EXPECT_EQ(result.looks, 1);
     EXPECT_EQ(result.render_cost().all_rays(), owned_pixel_count(16));
     EXPECT_EQ(result.render_cost().level_histogram[0], result.render_cost().hits());
     const MeasuredError& own = result.certificate.error;

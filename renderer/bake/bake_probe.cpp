@@ -17,20 +17,19 @@ namespace {
 constexpr size_t kProbesToLearnFrom = 16;
 constexpr int kMaxLooks = 6;
 /// Of a render's rays, what an audit of it may cast.
-constexpr double kAuditShare = 0.07;
-constexpr double kTeachingShare = 0.3;
+constexpr double kAuditShare = 0.05;
+constexpr double kTeachingShare = 0.2;
 /// An audit tells by itself from so many draws on, over the square of a draw's relative standard
 /// deviation: its own is within 0.3 then.
 constexpr double kTellingDraws = 12.0;
 constexpr double kLeafRaysShare = 0.1;
-/// Where a probe seems good enough, or cannot be refined, looking harder is cheaper than refining:
-/// the next audit casts so many times the rays. It seems so while its own audits find at most this
-/// share of the error that the target allows.
+/// Where a probe cannot be refined, or is as good as met, the next audit looks harder: so many
+/// times the rays.
 constexpr double kHarderLook = 4.0;
-constexpr double kSeemsMet = 0.3;
+constexpr double kHardestLook = 16.0;
 /// As good as met, for leaf rays alone, at this confidence.
 constexpr double kLeafRaysConfidence = 0.7;
-constexpr int kLeastAuditPixels = 24;
+constexpr int kLeastAuditPixels = 12;
 constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kMinAuditWindows = 16;
@@ -128,8 +127,9 @@ class Unit {
             if (!audits()) return;
             look();
             if (result_.target_met || result_.looks == kMaxLooks) return;
+            if (finest && !may_look_harder()) return;
             ++result_.looks;
-            if (finest || seems_met()) {
+            if (finest) {
                 audit_effort_ *= kHarderLook;
             } else {
                 goal = predicted * next_step();
@@ -137,13 +137,9 @@ class Unit {
         }
     }
 
-    /// By what its own audits found, whatever is usual in the job.
-    bool seems_met() const {
-        return targets_meet(job_.quality, [&](const QualityTarget& target) {
-            const auto t = static_cast<size_t>(&target - job_.quality.targets.data());
-            if (result_.pooled[t]) return audits_[t].measured <= kSeemsMet * *largest_size(target);
-            return bound_meets(target, result_.certificate.error, result_.confidence);
-        });
+    bool may_look_harder() const {
+        return audit_effort_ < kHardestLook &&
+               estimate_meets(job_.quality, result_.certificate.error);
     }
 
     /// Of the weights that pixels' predicted errors have in the metric's mean.

@@ -33,7 +33,7 @@ struct ErrorPrior {
 
 /// How far probes of a job differ, by the scenes of docs/results/calibration.md, until the job's
 /// own audits tell.
-inline constexpr double kUsualSpread = 0.45;
+inline constexpr double kUsualSpread = 0.7;
 
 /// An audit beside the renderer's prediction.
 struct AuditedRatio {

@@ -23,6 +23,8 @@ constexpr uint64_t kProcessBytes = uint64_t{22} << 20;
 /// (docs/decisions.md, "Light is a stage of its own").
 constexpr double kShadowRaySeconds = 1.1e-6;
 constexpr double kLightBytesPerFace = 10.0;
+/// A lit state is tried in its own light where making it takes no longer than this, else unlit.
+constexpr double kLightingTriedSeconds = 3.0;
 /// How far a range of seconds goes to both sides.
 constexpr double kSecondsFactor = 2.0;
 
@@ -30,11 +32,14 @@ double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Some probes of the job in one state, with small faces, and its share of the ray budget.
+/// Some probes of the job in one state, with small faces, and its share of the ray budget. Without
+/// atlases: they need whole grids.
 JobSpec part_of(const JobSpec& job, const LightingState& state) {
     JobSpec part = job;
-    part.states = {state.lit() ? LightingState(LightingState::kAlbedo) : state};
+    part.states = {state};
     part.probes.clear();
+    part.grids.clear();
+    part.products.ddgi = false;
     const size_t count = std::clamp<size_t>(job.probes.size() / 4, 1, kMostProbes);
     for (size_t i = 0; i < count; ++i) {
         part.probes.push_back(job.probes[(2 * i + 1) * job.probes.size() / (2 * count)]);
@@ -74,12 +79,15 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
     const double pixels =
         static_cast<double>(pixel_count(job)) / static_cast<double>(job.states.size());
     for (const LightingState& state : job.states) {
+        bool tried_unlit = false;
         if (state.lit()) {
-            forecast.lighting_seconds +=
-                lighting_seconds(scene, state, plan.light_bytes / lit, threads);
+            const double lighting = lighting_seconds(scene, state, plan.light_bytes / lit, threads);
+            forecast.lighting_seconds += lighting;
+            tried_unlit = lighting > kLightingTriedSeconds;
         }
-        const JobSpec part = part_of(job, state);
-        const ReadyState ready(part.states.front());
+        const JobSpec part =
+            part_of(job, tried_unlit ? LightingState(LightingState::kAlbedo) : state);
+        const ReadyState ready = light_state(scene, part, 0, cancel);
         const Clock::time_point begin = Clock::now();
         const Pilot pilot = run_pilot(scene, part, make_plan(scene, part), ready, cancel);
         forecast.seconds += seconds_since(begin) * static_cast<double>(pilot_pixels(job)) /
@@ -104,6 +112,7 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
     forecast.memory_bytes = kProcessBytes + std::max(scene.load.build.peak_bytes,
                                                      plan.scene_bytes + plan.light_bytes +
                                                          units_at_once * plan.bytes_per_unit);
+    if (job.products.ddgi) bytes += static_cast<double>(plan.work_units * kDdgiBytesPerProbe);
     forecast.output_bytes = static_cast<uint64_t>(bytes);
     return forecast;
 }

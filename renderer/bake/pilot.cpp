@@ -13,22 +13,16 @@ namespace {
 /// Of a budget of seconds, what the pilot may use before it takes what it has.
 constexpr double kPilotShare = 0.5;
 
-/// Prices that are tried, each a quarter of the one before, after the first whose estimate meets
-/// the target: if the bound does not come down by then, it hangs on single pixels that no price
-/// reaches, and the looks at each probe have to tell.
-constexpr int kFurtherPrices = 2;
-/// Confidence of the interval whose far end the settings of the pilot should meet: their own
-/// sample is small, and the looks at each probe tell better.
-constexpr double kPilotConfidence = 0.7;
-
 /// What the first look at a probe aims at, of the error that the target allows: what it spares the
 /// probes whose error is less than predicted pays for further looks at the others
 /// (docs/results/calibration.md).
-constexpr double kFirstAim = 0.65;
+constexpr double kFirstAim = 0.72;
 /// Relative standard deviation of an audited pixel where nothing is known: of squared errors on the
 /// scenes of docs/results/calibration.md.
-constexpr double kUsualDrawCv = 5.0;
+constexpr double kUsualDrawCv = 10.0;
 constexpr double kLargestSpread = 2.0;
+/// Actual over predicted mean squared error, mean over those scenes.
+constexpr double kUsualRatio = 0.65;
 
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
 /// at its end, where a pixel may cost hundreds of rays.
@@ -55,8 +49,7 @@ class Search {
     /// cheapest first, and which of it was chosen.
     std::pair<std::vector<Candidate>, size_t> run(Pilot& pilot) {
         std::vector<Candidate> all = compare(pilot);
-        size_t chosen =
-            pays_by_price() && !ray_target() ? first_by_estimate(all) : cheapest_that_meets(all);
+        size_t chosen = cheapest_that_meets(all);
         pilot.expectation = Expectation::kTargetMet;
         if (chosen == all.size()) {
             --chosen;  // the finest there is
@@ -75,7 +68,9 @@ class Search {
             if (!ray_target()) pilot.expectation = Expectation::kBudgetExhausted;
         }
         pilot.settings = all[chosen].settings;
-        if (all[chosen].error.mse.nothing_found()) pilot.settings = cautious_settings();
+        if (all[chosen].error.mse.nothing_found() && !(all[chosen].predicted > 0.0)) {
+            pilot.settings = cautious_settings();
+        }
         pilot.settings_mse = all[chosen].error.mse.value;
         if (pilot.settings.kind == RendererKind::kHybrid) {
             pilot.finer = lower_prices(pilot.settings.price, pilot.settings_mse);
@@ -102,19 +97,51 @@ class Search {
         std::vector<std::optional<Steering>> all;
         for (const QualityTarget& target : job_.quality.targets) {
             const std::optional<Estimate> size = error_size(target.metric, chosen.error);
+            const std::optional<RatioEstimate> ratio = expected_ratio(chosen, target);
             all.emplace_back();
-            if (!size || !(size->value > 0.0) || !(chosen.predicted > 0.0)) continue;
-            const double ratio = size->value / chosen.predicted;
-            const double known_to = size->standard_error() / size->value;
+            if (!ratio) continue;
             const bool windows = target.metric == QualityTarget::Metric::kSsim;
-            const double draw_cv =
-                windows ? known_to * std::sqrt(static_cast<double>(size->samples)) : kUsualDrawCv;
+            const double draw_cv = windows ? size->standard_error() / size->value *
+                                                 std::sqrt(static_cast<double>(size->samples))
+                                           : kUsualDrawCv;
             all.back() = steering_of(
-                target, {.ratio = ratio,
-                         .spread = std::min(kLargestSpread, std::hypot(kUsualSpread, known_to)),
-                         .draw_cv = draw_cv});
+                target,
+                {.ratio = ratio->value,
+                 .spread = std::min(kLargestSpread, std::hypot(kUsualSpread, ratio->known_to)),
+                 .draw_cv = draw_cv});
         }
         return all;
+    }
+
+    struct RatioEstimate {
+        double value = 1.0;
+        double known_to = 0.0;  // relative standard deviation
+    };
+
+    /// Of actual over predicted error. The few pixels of a sample may hold one that is wrong as
+    /// few are, or none of them: of squared errors, what is usual counts beside what they say.
+    std::optional<RatioEstimate> expected_ratio(const Candidate& candidate,
+                                                const QualityTarget& target) const {
+        const std::optional<Estimate> size = error_size(target.metric, candidate.error);
+        if (!size || !(candidate.predicted > 0.0)) return std::nullopt;
+        const bool of_squares = target.metric == QualityTarget::Metric::kPsnrDb ||
+                                target.metric == QualityTarget::Metric::kRmse;
+        if (!(size->value > 0.0) && !of_squares) return std::nullopt;
+        const double measured = std::max(0.0, size->value) / candidate.predicted;
+        const double error = size->standard_error() / candidate.predicted;
+        const double own = measured > 0.0 ? measured * measured / (error * error) : 0.0;
+        const double usual = of_squares ? 1.0 / (kUsualSpread * kUsualSpread) : 0.0;
+        return RatioEstimate{(usual * kUsualRatio + own * measured) / (usual + own),
+                             1.0 / std::sqrt(usual + own)};
+    }
+
+    /// By what the pilot's pixels say and what is usual.
+    bool expected_to_meet(const Candidate& candidate) const {
+        return targets_meet(sampled_, [&](const QualityTarget& target) {
+            const auto ratio = expected_ratio(candidate, target);
+            return ratio ? ratio->value * candidate.predicted <= kFirstAim * *largest_size(target)
+                         : estimate_meets(target, candidate.error);
+        });
     }
 
     /// Prices in steps of two. Their errors are guessed: at half the price the squared error is
@@ -133,7 +160,6 @@ class Search {
     /// Compares lower and lower prices, until some meet the target.
     std::vector<Candidate> compare_prices(Pilot& pilot) {
         constexpr double kNextPrice = 0.25;
-        int further = kFurtherPrices;
         pixels_.extend_hybrid(std::numeric_limits<double>::infinity());
         double price = 0.0;
         for (const SearchPixel& pixel : pixels_.sample().pixels) {
@@ -149,8 +175,7 @@ class Search {
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
             std::vector<Candidate> best = frontier(std::move(candidates), sampled_);
-            if (!ray_target() && first_by_estimate(best) < best.size()) --further;
-            if (enough || further < 0 || price < 0.0 || out_of_time_()) return best;
+            if (enough || price < 0.0 || out_of_time_()) return best;
         }
     }
 
@@ -166,9 +191,7 @@ class Search {
     /// spent.
     bool is_enough(const std::vector<Candidate>& candidates) const {
         if (!ray_target()) {
-            return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-                return bound_meets(sampled_, c.error, confidence());
-            });
+            return cheapest_that_meets(candidates) < candidates.size();
         }
         return std::any_of(candidates.begin(), candidates.end(),
                            [&](const Candidate& candidate) { return !affordable(candidate); });
@@ -215,21 +238,10 @@ class Search {
     size_t cheapest_that_meets(const std::vector<Candidate>& all) const {
         if (ray_target()) return all.size() - 1;
         const auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-            return bound_meets(sampled_, candidate.error, confidence());
+            return pays_by_price()
+                       ? expected_to_meet(candidate)
+                       : bound_meets(sampled_, candidate.error, job_.quality.evidence.confidence);
         });
-        return static_cast<size_t>(at - all.begin());
-    }
-
-    /// The first whose estimate meets the target, with some certainty if possible.
-    size_t first_by_estimate(const std::vector<Candidate>& all) const {
-        auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-            return bound_meets(sampled_, candidate.error, kPilotConfidence);
-        });
-        if (at == all.end()) {
-            at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-                return estimate_meets(sampled_, candidate.error);
-            });
-        }
         return static_cast<size_t>(at - all.begin());
     }
 
@@ -266,9 +278,6 @@ class Search {
     }
 
     bool ray_target() const { return only_target(job_.quality, QualityTarget::Metric::kRays); }
-    double confidence() const {
-        return pays_by_price() ? kPilotConfidence : job_.quality.evidence.confidence;
-    }
     /// The job's targets without irradiance, which a sample of pixels does not tell.
     static QualitySpec sampled(QualitySpec quality) {
         auto& targets = quality.targets;

@@ -54,11 +54,6 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
 /// What the hybrid renderer keeps of a pixel between two refinements (hybrid_view.h).
 constexpr uint64_t kKeptPixelBytes = 260;
 
-/// Of both atlases, uncompressed: RGB in HALF, two channels in FLOAT.
-constexpr uint64_t kDdgiBytesPerProbe =
-    6 * ddgi_tile_px(kDdgiIrradiance_px) * ddgi_tile_px(kDdgiIrradiance_px) +
-    8 * ddgi_tile_px(kDdgiDistance_px) * ddgi_tile_px(kDdgiDistance_px);
-
 /// Of all files together, uncompressed; a latlong has 8 N² pixels where a cube has 6 N².
 uint64_t bytes_per_texel(const Products& products) {
     constexpr uint64_t kHalfRgb = 6;

@@ -152,10 +152,11 @@ Json row_of(const ProbeResult& result, const ProbeTruth& truth, const PricedProb
                 {"replaced_steps", result.earlier_renders.steps},
                 {"audit_steps", audit.cost.steps + result.decision_cost.steps},
                 {"cheapest_steps", priced.cheapest(allowed)}};
-    if (!result.pooled.empty() && result.pooled.front()) {
-        row["pooled_estimate"] = result.pooled.front()->value;
-        row["pooled_interval"] = interval_json(result.pooled.front()->interval);
-    }
+    // As the report says it: where a probe's own audit alone counts, that is its own.
+    const bool pooled = !result.pooled.empty() && result.pooled.front();
+    row["pooled_estimate"] = pooled ? Json(result.pooled.front()->value) : row["estimate"];
+    row["pooled_interval"] =
+        pooled ? interval_json(result.pooled.front()->interval) : row["interval"];
     return row;
 }
 
@@ -175,6 +176,15 @@ Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
             results[i] = bake_probe(scene, job, pilot, {.probe = i, .teaches = teach}, cancel);
         });
     };
+    const auto steering_json = [&]() -> Json {
+        if (pilot.steering.empty() || !pilot.steering.front()) return nullptr;
+        const Steering& steering = *pilot.steering.front();
+        return {{"goal", steering.goal},
+                {"ratio", steering.prior.ratio},
+                {"spread", steering.prior.spread},
+                {"draw_cv", steering.prior.draw_cv}};
+    };
+    const Json steering_before = steering_json();
     const size_t first = probes_to_learn_from(job);
     bake(0, first, true);
     learn(pilot, job.quality, std::span(results).first(first));
@@ -200,6 +210,8 @@ Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
                allowed * static_cast<double>(mse.size());
     };
     return {{"allowed", allowed},
+            {"steering_before", steering_before},
+            {"steering", steering_json()},
             {"pilot_steps", pilot.search_cost.steps + pilot.curve_cost.steps},
             {"one_price_steps", cheapest_single_price(priced, most_meet)},
             {"one_price_for_the_mean_steps", cheapest_single_price(priced, mean_meets)},

@@ -19,12 +19,13 @@ constexpr size_t kMostProbes = 4;
 constexpr int kLargestFace_px = 64;
 /// Of a process that has baked nothing yet: code, libraries, threads.
 constexpr uint64_t kProcessBytes = uint64_t{22} << 20;
-/// One shadow ray and one gathering on one thread, and the bytes of light per exposed face
-/// (docs/decisions.md, "Light is a stage of its own").
-constexpr double kShadowRaySeconds = 1.1e-6;
+/// Steps of a ray that lights, and bytes of light per exposed face (docs/decisions.md, "Light is a
+/// stage of its own").
+constexpr double kStepsPerLightingRay = 12.0;
 constexpr double kLightBytesPerFace = 10.0;
-/// A lit state is tried in its own light where making it takes no longer than this, else unlit.
-constexpr double kLightingTriedSeconds = 3.0;
+/// A lit state is tried in its own light where making it casts no more rays than these (some
+/// seconds), else unlit.
+constexpr double kLightingTriedRays = 6e6;
 /// How far a range of seconds goes to both sides.
 constexpr double kSecondsFactor = 2.0;
 
@@ -55,16 +56,15 @@ JobSpec part_of(const JobSpec& job, const LightingState& state) {
     return part;
 }
 
-/// Wall seconds of lighting a state.
-double lighting_seconds(const Scene& scene, const LightingState& state, uint64_t light_bytes,
-                        int threads) {
+/// Shadow and sky rays of lighting a state; 0 where it is not lit.
+double lighting_rays(const Scene& scene, const LightingState& state, uint64_t light_bytes) {
     const double faces = static_cast<double>(light_bytes) / kLightBytesPerFace;
-    double rays = state.sun ? 0.5 * faces * state.sun->rays : 0.0;
-    if (state.sky) {
+    double rays = state.lit() && state.sun ? 0.5 * faces * state.sun->rays : 0.0;
+    if (state.lit() && state.sky) {
         const double side = std::exp2(gather_level_for(scene.voxel_size_m, state.sky->gather_m));
         rays += faces / (side * side) * state.sky->rays;
     }
-    return rays * kShadowRaySeconds / threads;
+    return rays;
 }
 
 }  // namespace
@@ -79,19 +79,23 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
     const double pixels =
         static_cast<double>(pixel_count(job)) / static_cast<double>(job.states.size());
     for (const LightingState& state : job.states) {
-        bool tried_unlit = false;
-        if (state.lit()) {
-            const double lighting = lighting_seconds(scene, state, plan.light_bytes / lit, threads);
-            forecast.lighting_seconds += lighting;
-            tried_unlit = lighting > kLightingTriedSeconds;
-        }
-        const JobSpec part =
-            part_of(job, tried_unlit ? LightingState(LightingState::kAlbedo) : state);
+        const double rays =
+            lighting_rays(scene, state, plan.light_bytes / std::max<uint64_t>(lit, 1));
+        const bool unlit = rays > kLightingTriedRays;
+        const JobSpec part = part_of(job, unlit ? LightingState(LightingState::kAlbedo) : state);
+        const Clock::time_point lighting_begin = Clock::now();
         const ReadyState ready = light_state(scene, part, 0, cancel);
+        if (state.lit() && !unlit) forecast.lighting_seconds += seconds_since(lighting_begin);
         const Clock::time_point begin = Clock::now();
         const Pilot pilot = run_pilot(scene, part, make_plan(scene, part), ready, cancel);
         forecast.seconds += seconds_since(begin) * static_cast<double>(pilot_pixels(job)) /
                             static_cast<double>(pilot_pixels(part));
+        if (unlit) {
+            const CostStats& cost = pilot.search_cost;
+            forecast.lighting_seconds += rays * kStepsPerLightingRay * cost.seconds /
+                                         static_cast<double>(std::max<uint64_t>(cost.steps, 1)) /
+                                         threads;
+        }
         std::vector<ProbeResult> results(part.probes.size());
         const Clock::time_point render_begin = Clock::now();
         tbb::parallel_for(size_t{0}, results.size(), [&](size_t i) {

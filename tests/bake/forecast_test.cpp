@@ -47,6 +47,36 @@ TEST(Forecast, ItsBytesAreThoseOfTheBake) {
     EXPECT_LT(ratio, 1.25);
 }
 
+// The atlases need every probe of a grid; a forecast bakes only some.
+TEST(Forecast, GridsWithAtlases) {
+    const Scene scene = test::small_scene();
+    Json request = test::small_request(1);
+    const Json position = request["probes"]["list"][0]["position_m"];
+    request["probes"] = {{"grids",
+                          {{{"id", "g"},
+                            {"origin_m", position},
+                            {"spacing_m", {0.5, 0.5, 0.5}},
+                            {"counts", {4, 2, 2}}}}}};
+    request["products"] = {"ddgi"};
+    const JobSpec job = read_job(request);
+    const Forecast forecast = make_forecast(scene, job, make_plan(scene, job), 2, {});
+    EXPECT_EQ(forecast.output_bytes, 16 * kDdgiBytesPerProbe);
+    EXPECT_GT(forecast.seconds, 0.0);
+}
+
+// A sun is tried in its own light, and what making that took is part of the forecast.
+TEST(Forecast, LightingCounts) {
+    const Scene scene = test::small_scene();
+    Json request = test::small_request(2);
+    request["lighting_states"] = {
+        {{"id", "noon"},
+         {"sun", {{"direction", {0.2, 0.9, 0.3}}, {"irradiance_w_m2", {1, 1, 1}}, {"rays", 4}}}}};
+    const JobSpec job = read_job(request);
+    const Forecast forecast = make_forecast(scene, job, make_plan(scene, job), 2, {});
+    EXPECT_GT(forecast.lighting_seconds, 0.0);
+    EXPECT_GT(forecast.seconds, forecast.lighting_seconds);
+}
+
 TEST(Forecast, StopsWhenItIsCancelled) {
     const Scene scene = test::small_scene();
     CancelToken cancel;

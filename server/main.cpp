@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     add_client_commands(app, work);
     add_import_command(app, work);
     add_preview_command(app, work);
+    add_report_command(app, work);
     add_scene_command(app, work);
     add_serve_command(app, work);
     add_study_command(app, work);

@@ -30,6 +30,7 @@ Service::Service(const ServiceOptions& options)
             .store = store_,
             .scenes = scenes_,
             .load = scene_source().load,
+            .on_pool = [this](const std::function<void()>& work) { pool_.run(work); },
             .tokens = tokens_,
             .metrics = metrics_,
             .threads = options.threads,

@@ -13,6 +13,11 @@ namespace probebake {
 namespace {
 
 constexpr double kUniformShare = 0.5;
+/// Side of a truth's grid over the root of a pixel's rays, and its least.
+constexpr double kTruthPerRay = 1.1;
+constexpr int kLeastTruthGrid = 2;
+/// Where the truth divides the error, too, its noise biases.
+constexpr int kLeastRelativeGrid = 8;
 
 /// Largest squared difference of luminance to the four neighbours on the face.
 double contrast(const Cubemap& cube, const CubePixel& p) {
@@ -37,24 +42,56 @@ double predicted(const AuditSpec& spec, size_t i, const CubePixel& pixel) {
                                       : contrast(spec.as_written, pixel) / aux.samples;
 }
 
+/// Rays per side of one estimate of a pixel's truth.
+int truth_grid(const AuditSpec& spec, size_t i) {
+    if (spec.truth_grid) return *spec.truth_grid;
+    const int least = spec.rel_mse ? kLeastRelativeGrid : kLeastTruthGrid;
+    const double rays = static_cast<double>(spec.aux[i].samples);
+    return std::clamp(static_cast<int>(std::ceil(kTruthPerRay * std::sqrt(rays))), least,
+                      kTruthGrids.back());
+}
+
+/// Rays that one audit of a pixel casts.
+double rays_of(const AuditSpec& spec, size_t i) {
+    if (spec.against == Against::kReference) return 16.0;
+    const int grid = truth_grid(spec, i);
+    return 2.0 * grid * grid;
+}
+
 /// Probability of every stored pixel to be drawn.
 std::vector<double> draw_probabilities(const AuditSpec& spec) {
     const int n = spec.as_written.face_size();
     const Weighting weighting = spec.drawn_for_sh ? Weighting::kSolidAngle : spec.weighting;
     std::vector<double> probability(spec.aux.size());
+    std::vector<double> without(spec.aux.size());
     double sum = 0.0;
+    double sum_without = 0.0;
     for (size_t i = 0; i < probability.size(); ++i) {
         const CubePixel pixel = pixel_at(i, n);
         const double error = predicted(spec, i, pixel);
-        probability[i] =
-            pixel_weight(weighting, pixel, n) * (spec.drawn_for_sh ? std::sqrt(error) : error);
+        without[i] = 1.0 / std::sqrt(rays_of(spec, i));
+        probability[i] = without[i] * pixel_weight(weighting, pixel, n) *
+                         (spec.drawn_for_sh ? std::sqrt(error) : error);
         sum += probability[i];
+        sum_without += without[i];
     }
-    const double uniform = 1.0 / static_cast<double>(probability.size());
-    for (double& p : probability) {
-        p = sum > 0.0 ? kUniformShare * uniform + (1.0 - kUniformShare) * p / sum : uniform;
+    for (size_t i = 0; i < probability.size(); ++i) {
+        const double share = sum > 0.0 ? kUniformShare : 1.0;
+        probability[i] = share * without[i] / sum_without +
+                         (sum > 0.0 ? (1.0 - share) * probability[i] / sum : 0.0);
     }
     return probability;
+}
+
+int number_of_draws(const AuditSpec& spec, const std::vector<double>& probability) {
+    if (spec.pixels) return *spec.pixels;
+    double rays_per_draw = 0.0;
+    for (size_t i = 0; i < probability.size(); ++i) {
+        rays_per_draw += probability[i] * rays_of(spec, i);
+    }
+    const double paid_for = spec.rays / rays_per_draw;
+    return static_cast<int>(std::clamp(paid_for, static_cast<double>(spec.least_pixels),
+                                       static_cast<double>(spec.most_pixels)));
 }
 
 class AuditRun {
@@ -99,38 +136,89 @@ class AuditRun {
 
     void audit_pixels() {
         const std::vector<double> probability = draw_probabilities(spec_);
+        const int draws = number_of_draws(spec_, probability);
         std::vector<double> cumulative(probability.size());
         double sum = 0.0;
         for (size_t i = 0; i < probability.size(); ++i) cumulative[i] = sum += probability[i];
         RandomStream random = choice_stream(0);
         std::vector<size_t> drawn;
-        for (int i = 0; i < spec_.pixels; ++i) {
+        for (int i = 0; i < draws; ++i) {
             const auto at =
                 std::upper_bound(cumulative.begin(), cumulative.end(), random.uniform() * sum);
             drawn.push_back(
                 std::min(static_cast<size_t>(at - cumulative.begin()), cumulative.size() - 1));
         }
         std::vector<double> errors(drawn.size());
+        std::vector<TruthPair> truths(drawn.size());
+        std::vector<double> weights(drawn.size());
         std::vector<ShDraw> differences(spec_.sh ? drawn.size() : 0);
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
             const Rgb& value = spec_.as_written.at(pixel);
-            const TruthPair truth = truth_of(pixel, i, spec_.truth_grid, stats);
+            const TruthPair truth = truths[i] =
+                truth_of(pixel, i, truth_grid(spec_, drawn[i]), stats);
             const double error = squared_error(value, truth, spec_.exposure);
             const double inverse =
                 1.0 / (static_cast<double>(probability.size()) * probability[drawn[i]]);
-            errors[i] = pixel_weight(spec_.weighting, pixel, n_) * error * inverse;
+            weights[i] = pixel_weight(spec_.weighting, pixel, n_) * inverse;
+            errors[i] = weights[i] * error;
             if (!spec_.sh) return;
             const Vec3 mean = (Vec3(truth.r1) + Vec3(truth.r2)) / 2.0;
             differences[i] = {pixel, (Vec3(value) - mean) / probability[drawn[i]]};
         });
-        Moments moments;
-        for (const double error : errors) moments.add(error);
-        audit_.error.mse = Estimate::of_mean(moments);
+        audit_.error.mse = mean_of(errors);
+        if (spec_.rel_mse) audit_.error.rel_mse = relative_error(drawn, truths, weights);
         audit_.pixels = drawn.size();
+        audit_.predicted = mean_prediction();
         if (!spec_.sh) return;
         audit_.sh = audit_sh(differences, n_);
         audit_.error.irradiance = relative_irradiance(*audit_.sh, project_sh(spec_.as_written));
+    }
+
+    Estimate relative_error(const std::vector<size_t>& drawn, const std::vector<TruthPair>& truths,
+                            const std::vector<double>& weights) const {
+        double mean = mean_value();  // and from that of the file to that of the truth
+        for (size_t i = 0; i < drawn.size(); ++i) {
+            const Vec3 r = (Vec3(truths[i].r1) + Vec3(truths[i].r2)) / 2.0;
+            const Vec3 missing = r - Vec3(spec_.as_written.at(pixel_at(drawn[i], n_)));
+            mean += weights[i] * (missing.r + missing.g + missing.b) /
+                    (3.0 * spec_.exposure * static_cast<double>(drawn.size()));
+        }
+        const double floor = relative_floor(mean);
+        std::vector<double> errors(drawn.size());
+        for (size_t i = 0; i < drawn.size(); ++i) {
+            const Rgb& value = spec_.as_written.at(pixel_at(drawn[i], n_));
+            errors[i] =
+                weights[i] * relative_squared_error(value, truths[i], spec_.exposure, floor);
+        }
+        return mean_of(errors);
+    }
+
+    static Estimate mean_of(const std::vector<double>& values) {
+        Moments moments;
+        for (const double value : values) moments.add(value);
+        return Estimate::of_mean(moments);
+    }
+
+    double mean_prediction() const {
+        double sum = 0.0;
+        for (size_t i = 0; i < spec_.aux.size(); ++i) {
+            sum += pixel_weight(spec_.weighting, pixel_at(i, n_), n_) *
+                   static_cast<double>(spec_.aux[i].predicted_error);
+        }
+        return sum / static_cast<double>(spec_.aux.size()) / (spec_.exposure * spec_.exposure);
+    }
+
+    /// Of the file, over pixels and channels.
+    double mean_value() const {
+        double sum = 0.0;
+        for (size_t i = 0; i < spec_.aux.size(); ++i) {
+            const CubePixel pixel = pixel_at(i, n_);
+            const Rgb& value = spec_.as_written.at(pixel);
+            sum += pixel_weight(spec_.weighting, pixel, n_) *
+                   (static_cast<double>(value.r) + value.g + value.b) / 3.0;
+        }
+        return sum / static_cast<double>(spec_.aux.size()) / spec_.exposure;
     }
 
     void audit_windows() {
@@ -144,11 +232,9 @@ class AuditRun {
         }
         std::vector<double> values(corners.size());
         for_each(corners.size(), [&](size_t i, CostStats& stats) {
-            values[i] = window_ssim(corners[i], static_cast<uint64_t>(spec_.pixels) + i, stats);
+            values[i] = window_ssim(corners[i], audit_.pixels + i, stats);
         });
-        Moments moments;
-        for (const double value : values) moments.add(value);
-        audit_.error.ssim = Estimate::of_mean(moments);
+        audit_.error.ssim = mean_of(values);
         audit_.windows = corners.size();
     }
 
@@ -160,7 +246,7 @@ class AuditRun {
             const CubePixel pixel{corner.face, corner.x + i % kSsimWindow_px,
                                   corner.y + i / kSsimWindow_px};
             const TruthPair truth = truth_of(pixel, random_key({part, static_cast<uint64_t>(i)}),
-                                             spec_.truth_grid, stats);
+                                             spec_.window_grid, stats);
             const auto at = static_cast<size_t>(i);
             a[at] = ssim_luminance(spec_.as_written.at(pixel), spec_.exposure);
             r1[at] = ssim_luminance(truth.r1, spec_.exposure);

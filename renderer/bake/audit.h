@@ -1,12 +1,13 @@
 // The audit: how wrong a rendered cubemap is, measured on fresh pixels.
 //
-// Stored pixels are drawn with replacement with probabilities p: half uniform, half in proportion
+// Stored pixels are drawn with replacement with probabilities p: half without, half in proportion
 // to a predicted squared error (the hybrid renderer's own; of others contrast with the neighbours,
-// divided by the rays kept). Each is
-// compared, as the written file holds it, with two independent means of stratified leaf rays;
-// e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
-// (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The uniform half
-// keeps 1/(N p) ≤ 2, wherever the prediction is wrong. SSIM is audited on whole windows, drawn
+// divided by the rays kept), both over the root of what auditing the pixel costs. Each is compared,
+// as the written file holds it, with two independent means r1, r2 of stratified leaf rays, so many
+// that they are about as noisy as the pixel is wrong: about 1.1 √rays a side for a pixel of so many
+// rays. e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
+// (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The first half
+// bounds 1/(N p), wherever the prediction is wrong. SSIM is audited on whole windows, drawn
 // uniformly, and only where it is the target.
 // The same draws tell how wrong the spherical harmonics are (sh_audit.h).
 #pragma once
@@ -25,6 +26,7 @@ struct Audit {
     MeasuredError error;
     uint64_t pixels = 0;
     uint64_t windows = 0;
+    double predicted = 0.0;  // mean squared error by the renderer's own prediction; 0 without one
     std::optional<ShAudit> sh;
     CostStats cost;
 };
@@ -37,10 +39,17 @@ struct AuditSpec {
     std::span<const PixelAux> aux;
     double exposure = 1.0;
     Against against = Against::kTruth;
-    int truth_grid = kTruthGrids.front();
+    /// Rays per side of r1 and r2; none: as many as each pixel needs.
+    std::optional<int> truth_grid;
     Weighting weighting = Weighting::kUniform;
-    int pixels = 0;
-    int windows = 0;  // of SSIM
+    /// Draws; none: as many as `rays` pay for, within the bounds.
+    std::optional<int> pixels;
+    double rays = 0.0;
+    int least_pixels = 0;
+    int most_pixels = 0;
+    int windows = 0;                        // of SSIM
+    int window_grid = kTruthGrids.front();  // rays per side of r1 and r2 in them
+    bool rel_mse = false;
     bool sh = false;  // whether the spherical harmonics are audited, too
     /// Draws pixels for them, by solid angle and predicted error instead of its square: best for a
     /// sum in which errors of different pixels cancel.

@@ -4,26 +4,43 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/probe_files.h"
 #include "bake/probe_view.h"
-#include "bake/sh_file.h"
 #include "image/exr.h"
-#include "image/layouts.h"
-#include "image/specular.h"
 #include "image/ssim.h"
+#include "render/hybrid.h"
+#include "render/hybrid_view.h"
 
 namespace probebake {
 namespace {
 
-constexpr int kMaxLooks = 4;
-constexpr int kMinAuditPixels = 64;
+constexpr size_t kProbesToLearnFrom = 16;
+constexpr int kMaxLooks = 6;
 /// Of a render's rays, what an audit of it may cast.
-constexpr double kDecisionShare = 0.02;
-constexpr double kCertificateShare = 0.08;
-/// Irradiance can only be decided on by a look that sees nearly as sharply as the certificate.
-constexpr double kIrradianceDecisionShare = 0.04;
+constexpr double kAuditShare = 0.05;
+constexpr double kTeachingShare = 0.2;
+/// An audit tells by itself from so many draws on, over the square of a draw's relative standard
+/// deviation: its own is within 0.3 then.
+constexpr double kTellingDraws = 12.0;
+constexpr double kLeafRaysShare = 0.1;
+/// Where a probe cannot be refined, or is as good as met, the next audit looks harder: so many
+/// times the rays.
+constexpr double kHarderLook = 4.0;
+constexpr double kHardestLook = 16.0;
+/// As good as met, for leaf rays alone, at this confidence.
+constexpr double kLeafRaysConfidence = 0.7;
+constexpr int kLeastAuditPixels = 12;
+constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kMinAuditWindows = 16;
 constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
+
+/// Prices are lowered by this factor until a probe's prediction meets its goal.
+constexpr double kPriceStep = 0.9;
+/// A probe that missed aims at a little less than what the bound says, within these factors.
+constexpr double kNextAim = 0.97;
+constexpr double kSmallestStep = 0.25;
+constexpr double kLargestStep = 0.95;
 
 class Unit {
   public:
@@ -50,29 +67,140 @@ class Unit {
         result_.state = pilot_.state.spec;
         result_.far_m = effective_far_m(scene_, probe_);
         result_.inside_voxel = scene_.inside_voxel(probe_.position_m);
-        render_until_good();
-        if (job_.quality.evidence.audit) result_.certificate = audit(kCertificate);
-        encode();
+        if (steered()) {
+            refine_until_good();
+        } else {
+            render_until_good();
+        }
+        result_.limited = render_.limited || params_.out_of_time;
+        result_.faces = render_.faces;
+        result_.pixels = render_.pixels;
+        make_files({.scene = scene_,
+                    .job = job_,
+                    .state = pilot_.state,
+                    .exposure = pilot_.exposure,
+                    .render = render_,
+                    .as_written = as_written_},
+                   result_);
         result_.wall_seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return std::move(result_);
     }
 
   private:
-    /// Keys of audits: decisions are numbered from 1.
-    static constexpr uint64_t kCertificate = 0;
+    bool audits() const { return job_.quality.evidence.audit; }
 
+    bool steered() const {
+        return !params_.out_of_time && !ray_limit(job_, probe_) && first_goal().has_value();
+    }
+
+    /// The prediction at which every target that has to be met is expected to be.
+    std::optional<double> first_goal() const {
+        std::optional<double> goal;
+        for (const std::optional<Steering>& target : pilot_.steering) {
+            if (!target) continue;
+            const bool all = job_.quality.require == Require::kAll;
+            goal = !goal ? target->goal
+                         : (all ? std::min(*goal, target->goal) : std::max(*goal, target->goal));
+        }
+        return goal;
+    }
+
+    /// One cubemap, refined further until its bound meets the target.
+    void refine_until_good() {
+        HybridCubemap cubemap(render_scene_, origin_, probe_.face_size_px, cancel_);
+        const std::vector<double> weights = weights_of_owned_pixels();
+        double goal = *first_goal();
+        double price = cubemap.largest_gain();
+        const double lowest = price * 0x1.0p-60;
+        for (;;) {
+            double predicted = cubemap.predicted_sum(weights);
+            while (predicted > goal && price > lowest) {
+                price *= kPriceStep;
+                cubemap.refine_to(price);
+                predicted = cubemap.predicted_sum(weights);
+            }
+            const bool finest = price <= lowest;
+            if (finest) cubemap.refine_to(price = 0.0);
+            result_.settings = hybrid_at(price);
+            take(cubemap.render());
+            if (!audits()) return;
+            look();
+            if (result_.target_met || result_.looks == kMaxLooks) return;
+            if (finest && !may_look_harder()) return;
+            ++result_.looks;
+            if (finest) {
+                audit_effort_ *= kHarderLook;
+            } else {
+                goal = predicted * next_step();
+            }
+        }
+    }
+
+    bool may_look_harder() const {
+        return audit_effort_ < kHardestLook &&
+               estimate_meets(job_.quality, result_.certificate.error);
+    }
+
+    /// Of the weights that pixels' predicted errors have in the metric's mean.
+    std::vector<double> weights_of_owned_pixels() const {
+        const int n = probe_.face_size_px;
+        const size_t count = 6 * static_cast<size_t>(n) * static_cast<size_t>(n);
+        std::vector<double> weights(count);
+        const double unit = 1.0 / (static_cast<double>(count) * pilot_.exposure * pilot_.exposure);
+        for (size_t i = 0; i < count; ++i) {
+            const CubePixel pixel = pixel_at(i, n);
+            weights[cube_index(owner_of(pixel, n), n)] +=
+                unit * pixel_weight(job_.quality.weighting, pixel, n);
+        }
+        return weights;
+    }
+
+    /// By how much the prediction has to fall for the bound to meet the target.
+    double next_step() const {
+        const bool all = job_.quality.require == Require::kAll;
+        std::optional<double> step;
+        for (size_t t = 0; t < job_.quality.targets.size(); ++t) {
+            const QualityTarget& target = job_.quality.targets[t];
+            const std::optional<double> bound = upper_bound(t);
+            if (!bound) continue;
+            const double its = kNextAim * *largest_size(target) / *bound;
+            step = !step ? its : (all ? std::min(*step, its) : std::max(*step, its));
+        }
+        return std::clamp(step.value_or(kSmallestStep), kSmallestStep, kLargestStep);
+    }
+
+    /// The upper bound of a target's error that the next look has to bring down.
+    std::optional<double> upper_bound(size_t t) const {
+        const auto size = error_size(job_.quality.targets[t].metric, result_.certificate.error);
+        if (!size) return std::nullopt;
+        return result_.pooled[t] ? result_.pooled[t]->upper
+                                 : size->interval(result_.confidence).high;
+    }
+
+    /// Renders by other renderers, one finer than the other.
     void render_until_good() {
         result_.settings = pilot_.settings;
         if (params_.out_of_time) result_.settings = {.kind = RendererKind::kLod};
         size_t next = 0;
+        bool fresh = true;
         for (;;) {
-            render();
-            if (params_.out_of_time || !may_look_again(next)) return;
-            const Audit look = audit(static_cast<uint64_t>(result_.looks));
-            result_.decision_cost += look.cost;
-            if (bound_meets(job_.quality.target, look.error, kLookConfidence)) return;
-            next = next_finer(next, look.error);
+            if (fresh) {
+                take(render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
+                                    cancel_, ray_limit(job_, probe_)));
+            }
+            if (!audits()) return;
+            look();
+            if (result_.target_met || !may_look_again(next)) return;
+            if (as_good_as_met()) {
+                if (may_be_pooled()) return;
+                ++result_.looks;
+                audit_effort_ *= kHarderLook;
+                fresh = false;
+                continue;
+            }
+            fresh = true;
+            next = next_finer(next, result_.certificate.error);
             result_.earlier_renders += render_.total();
             render_mse_ = pilot_.finer[next].mse;
             result_.settings = pilot_.finer[next++].settings;
@@ -80,171 +208,141 @@ class Unit {
         }
     }
 
+    bool as_good_as_met() const {
+        return wants_leaf_rays_only(job_) &&
+               bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
+    }
+    /// Where the mean of all probes may speak for a probe, it need not be sure itself.
+    bool may_be_pooled() const { return probes_to_learn_from(job_) > 0; }
+
     bool may_look_again(size_t next) const {
-        return job_.quality.evidence.audit && !render_.limited &&
+        return !params_.out_of_time && !render_.limited &&
                pilot_.expectation == Expectation::kTargetMet &&
-               job_.quality.target.metric != QualityTarget::Metric::kRays &&
+               !only_target(job_.quality, QualityTarget::Metric::kRays) &&
                result_.looks < kMaxLooks && next < pilot_.finer.size();
-    }
-
-    /// The far end of a look's interval, squared.
-    double far_square(const MeasuredError& found) const {
-        if (!irradiance_target()) return found.mse.interval(kLookConfidence).high;
-        const double high = found.irradiance->interval(kLookConfidence).high;
-        return high * high;
-    }
-
-    bool irradiance_target() const {
-        return job_.quality.target.metric == QualityTarget::Metric::kIrradianceRel;
     }
 
     /// The first finer candidate that promises to make up for what the look found missing.
     size_t next_finer(size_t next, const MeasuredError& found) const {
-        if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
-        const double wanted = render_mse_ * largest_square(job_.quality.target) / far_square(found);
+        const QualityTarget& target = job_.quality.targets.front();
+        double allowed = 0.0;
+        double high = 0.0;
+        if (target.metric == QualityTarget::Metric::kIrradianceRel) {
+            const double bound = found.irradiance->interval(result_.confidence).high;
+            allowed = largest_square(target);
+            high = bound * bound;
+        } else if (const auto size = error_size(target.metric, found);
+                   size && target.metric != QualityTarget::Metric::kSsim) {
+            allowed = *largest_size(target);
+            high = size->interval(result_.confidence).high;
+        } else {
+            return next;
+        }
+        const double wanted = render_mse_ * allowed / high;
         while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > wanted) {
             ++next;
         }
         return next;
     }
 
-    void render() {
-        render_ = render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
-                                 cancel_, ray_limit(job_, probe_));
+    void take(CubemapRender render) {
+        render_ = std::move(render);
         as_written_ = rounded_to_file(render_.color);
     }
 
+    /// Audits what there is on fresh pixels and judges it.
+    void look() {
+        result_.decision_cost += result_.certificate.cost;
+        result_.certificate = audit(static_cast<uint64_t>(result_.looks));
+        const double doubt = 1.0 - job_.quality.evidence.confidence;
+        result_.confidence = 1.0 - std::ldexp(doubt, 1 - result_.looks);
+        const std::vector<QualityTarget>& targets = job_.quality.targets;
+        result_.pooled.assign(targets.size(), std::nullopt);
+        audits_.resize(targets.size());
+        std::vector<EvidenceOf> evidence;  // that each target is met
+        for (size_t t = 0; t < targets.size(); ++t) evidence.push_back(look_at(t));
+        result_.target_met = targets_meet(job_.quality, [&](const QualityTarget& target) {
+            return evidence[static_cast<size_t>(&target - targets.data())] != EvidenceOf::kNone;
+        });
+        const bool of_job =
+            std::find(evidence.begin(), evidence.end(), EvidenceOf::kJob) != evidence.end();
+        result_.evidence = result_.target_met && of_job ? EvidenceOf::kJob : EvidenceOf::kProbe;
+    }
+
+    /// Whose evidence says that a target is met; none where it is not.
+    EvidenceOf look_at(size_t t) {
+        const QualityTarget& target = job_.quality.targets[t];
+        const MeasuredError& error = result_.certificate.error;
+        const std::optional<AuditedRatio> ratio = audited_ratio(target);
+        if (result_.looks == 1) result_.first_look.push_back(ratio);
+        const bool own_meets = bound_meets(target, error, result_.confidence);
+        if (!ratio || !pilot_.steering[t]) {
+            return own_meets ? EvidenceOf::kProbe : EvidenceOf::kNone;
+        }
+        const ErrorPrior& prior = pilot_.steering[t]->prior;
+        audits_[t] = with_further_audit(audits_[t], *ratio);
+        const PooledError pooled =
+            pooled_error(prior, audits_[t], job_.quality.evidence.confidence);
+        result_.pooled[t] = pooled;
+        const bool tells =
+            static_cast<double>(ratio->draws) >= kTellingDraws * prior.draw_cv * prior.draw_cv;
+        // Where it tells that the probe is unlike the others of its job, it alone counts.
+        const Interval own = error_size(target.metric, error)->interval(result_.confidence);
+        if (tells && !(pooled.value >= own.low && pooled.value <= own.high)) {
+            result_.pooled[t].reset();
+        }
+        if (tells && own_meets) return EvidenceOf::kProbe;
+        const double allowed = *largest_size(target);
+        return result_.pooled[t] && pooled.upper <= allowed && own.low <= allowed
+                   ? EvidenceOf::kJob
+                   : EvidenceOf::kNone;
+    }
+
+    /// What the last audit says beside the renderer's prediction; none without steering.
+    std::optional<AuditedRatio> audited_ratio(const QualityTarget& target) const {
+        const Audit& audit = result_.certificate;
+        const std::optional<Estimate> size = error_size(target.metric, audit.error);
+        if (!size || pilot_.steering.empty() || !(audit.predicted > 0.0)) return std::nullopt;
+        return AuditedRatio{.predicted = audit.predicted,
+                            .measured = size->value,
+                            .variance = size->variance,
+                            .draws = size->samples};
+    }
+
     Audit audit(uint64_t look) const {
-        const bool ssim = job_.quality.target.metric == QualityTarget::Metric::kSsim;
-        const double decision_share =
-            irradiance_target() ? kIrradianceDecisionShare : kDecisionShare;
-        const double share = look == kCertificate ? kCertificateShare : decision_share;
+        const bool ssim = has_target(job_.quality, QualityTarget::Metric::kSsim);
+        const bool irradiance = has_target(job_.quality, QualityTarget::Metric::kIrradianceRel);
         const int grid = wants_leaf_rays_only(job_)
                              ? irradiance_truth_grid(result_.settings.leaf_grid)
                              : pilot_.truth_grid;
-        const int pixels = audit_pixels(job_.quality, grid, probe_.face_size_px,
-                                        share * static_cast<double>(render_.total().all_rays()));
-        const AuditSpec spec{
+        const double one_shot = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
+        const double share = wants_leaf_rays_only(job_) ? kLeafRaysShare : one_shot;
+        const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
+        AuditSpec spec{
             .scene = render_scene_,
             .origin = origin_,
             .as_written = as_written_,
             .aux = render_.aux,
             .exposure = pilot_.exposure,
             .against = job_.quality.against,
-            .truth_grid = grid,
             .weighting = job_.quality.weighting,
-            .pixels = pixels,
-            .windows = ssim ? std::max(kMinAuditWindows, pixels / kWindowPixels) : 0,
-            .sh = irradiance_target() || job_.products.sh,
-            .drawn_for_sh = irradiance_target(),
+            .pixels = job_.quality.evidence.pixels_per_probe,
+            .rays = rays,
+            .least_pixels = kLeastAuditPixels,
+            .most_pixels = static_cast<int>(render_.aux.size()),
+            .windows = ssim ? std::max(kMinAuditWindows,
+                                       static_cast<int>(rays) / (2 * grid * grid * kWindowPixels))
+                            : 0,
+            .window_grid = grid,
+            .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
+            .sh = irradiance || job_.products.sh,
+            .drawn_for_sh = only_target(job_.quality, QualityTarget::Metric::kIrradianceRel),
             .key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look})};
+        if (irradiance) {
+            spec.truth_grid = grid;
+            spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
+        }
         return audit_cubemap(spec, cancel_);
-    }
-
-    ProbeAttributes attributes() const {
-        ProbeAttributes out = state_attributes(scene_, job_, pilot_.state);
-        out.id = probe_.id;
-        out.position_m = probe_.position_m;
-        out.near_m = probe_.near_m;
-        out.far_m = result_.far_m;
-        out.valid = !result_.inside_voxel;
-        if (result_.certificate.pixels > 0) add_errors(out);
-        return out;
-    }
-
-    void add_errors(ProbeAttributes& out) const {
-        const double confidence = job_.quality.evidence.confidence;
-        const ErrorFigures figures = figures_of(result_.certificate.error.mse, confidence);
-        out.texts["probe:err:against"] = name_of(job_.quality.against);
-        out.numbers["probe:err:exposure"] = pilot_.exposure;
-        out.numbers["probe:err:confidence"] = confidence;
-        out.numbers["probe:err:pixels"] = static_cast<double>(result_.certificate.pixels);
-        out.numbers["probe:err:rmse"] = figures.rmse;
-        out.numbers["probe:err:rmseLow"] = figures.rmse_interval.low;
-        out.numbers["probe:err:rmseHigh"] = figures.rmse_interval.high;
-    }
-
-    void encode() {
-        result_.limited = render_.limited || params_.out_of_time;
-        result_.faces = render_.faces;
-        result_.pixels = render_.pixels;
-        const ProbeAttributes attributes = this->attributes();
-        if (job_.products.cube) {
-            add_cubemap("cube.exr", encode_cubemap(render_.color, attributes));
-        }
-        if (job_.products.latlong) {
-            add_cubemap("latlong.exr",
-                        encode_layout(latlong_of(render_.color), ExrLayout::kLatlong, attributes));
-        }
-        for (const CubeFace face : kCubeFaces) {
-            if (!job_.products.gl_faces) break;
-            add_cubemap(
-                std::string(kGlFaceNames[static_cast<size_t>(index_of(face))]) + ".exr",
-                encode_layout(gl_face_of(render_.color, face), ExrLayout::kPlain, attributes));
-        }
-        if (job_.products.aux) add_file("aux.exr", encode_aux(aux(), attributes));
-        if (job_.products.sh) {
-            add_file("sh.json", encode_sh({.radiance = project_sh(as_written_),
-                                           .audit = result_.certificate.sh,
-                                           .confidence = job_.quality.evidence.confidence,
-                                           .probe = attributes}));
-        }
-        if (job_.products.specular) add_specular(attributes);
-        if (job_.products.ddgi) result_.ddgi = ddgi_tile(render_.color, near_distances());
-    }
-
-    /// One file per mip; the audit's figures are those of the cube, not of these.
-    void add_specular(ProbeAttributes attributes) {
-        std::erase_if(attributes.texts,
-                      [](const auto& item) { return item.first.starts_with("probe:err:"); });
-        std::erase_if(attributes.numbers,
-                      [](const auto& item) { return item.first.starts_with("probe:err:"); });
-        const int n = probe_.face_size_px;
-        const int mips = specular_mips(n);
-        attributes.numbers["probe:specular:mips"] = mips;
-        std::optional<SphereFilter> filter;
-        if (mips > 1) filter.emplace(render_.color);
-        for (int mip = 0; mip < mips; ++mip) {
-            const double roughness = specular_roughness(mip, mips);
-            attributes.numbers["probe:specular:mip"] = mip;
-            attributes.numbers["probe:specular:roughness"] = roughness;
-            const Cubemap cube =
-                mip == 0 ? render_.color : specular_of(*filter, roughness * roughness, n >> mip);
-            add_cubemap("specular-" + std::to_string(mip) + ".exr",
-                        encode_cubemap(cube, attributes));
-        }
-    }
-
-    /// Means and mean squares for ddgi_tile.
-    Cubemap near_distances() const {
-        Cubemap distances(probe_.face_size_px);
-        const double metre = scene_.voxel_size_m;
-        for (size_t i = 0; i < render_.aux.size(); ++i) {
-            const PixelAux& pixel = render_.aux[i];
-            distances.image().pixels()[i] = Rgb(Vec3(
-                pixel.near_distance * metre, pixel.squared_near_distance * metre * metre, 0.0));
-        }
-        return distances;
-    }
-
-    CubeAux aux() const {
-        CubeAux aux{.face_size = probe_.face_size_px};
-        const double metre = scene_.voxel_size_m;
-        for (const PixelAux& pixel : render_.aux) {
-            aux.pixels.push_back({static_cast<float>(pixel.distance * metre),
-                                  static_cast<float>(pixel.squared_distance * metre * metre),
-                                  pixel.standard_error, static_cast<uint32_t>(pixel.samples)});
-        }
-        return aux;
-    }
-
-    void add_cubemap(std::string name, EncodedCubemap file) {
-        result_.is_float |= file.is_float;
-        add_file(std::move(name), std::move(file.bytes));
-    }
-
-    void add_file(std::string name, std::vector<std::byte> bytes) {
-        result_.files.push_back(make_product_file(std::move(name), std::move(bytes)));
     }
 
     const Scene& scene_;
@@ -257,29 +355,39 @@ class Unit {
     Vec3 origin_;
     CubemapRender render_;
     Cubemap as_written_;
-    double render_mse_;  // what the pilot found for the settings of the render
+    double render_mse_;                 // what the pilot found for the settings of the render
+    std::vector<AuditedRatio> audits_;  // all of this probe, one per target
+    double audit_effort_ = 1.0;
     ProbeResult result_;
 };
 
 }  // namespace
 
+std::string_view name_of(EvidenceOf evidence) {
+    constexpr std::array<std::string_view, 3> kNames = {"none", "probe", "job"};
+    return kNames[static_cast<size_t>(evidence)];
+}
+
+ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result) {
+    for (size_t t = 0; t < result.pooled.size(); ++t) {
+        const bool of_squares = quality.targets[t].metric == QualityTarget::Metric::kPsnrDb ||
+                                quality.targets[t].metric == QualityTarget::Metric::kRmse;
+        if (!of_squares || !result.pooled[t]) continue;
+        const PooledError& pooled = *result.pooled[t];
+        const auto db = [](double mse) { return -10.0 * std::log10(mse); };
+        return {.rmse = std::sqrt(pooled.value),
+                .rmse_interval = {std::sqrt(pooled.interval.low), std::sqrt(pooled.interval.high)},
+                .psnr_db = db(pooled.value),
+                .psnr_low_db = db(pooled.interval.high),
+                .psnr_high_db = db(pooled.interval.low)};
+    }
+    return figures_of(result.certificate.error.mse, quality.evidence.confidence);
+}
+
 CostStats ProbeResult::render_cost() const {
     CostStats total;
     for (const CostStats& face : faces) total += face;
     return total;
-}
-
-ProbeAttributes state_attributes(const Scene& scene, const JobSpec& job, const ReadyState& state) {
-    ProbeAttributes out;
-    out.owner = "probebake " PROBEBAKE_VERSION;
-    out.state = name_of(state.spec);
-    out.unit = state.spec.kind == LightingState::Kind::kAlbedo ? "1" : "W.m^-2.sr^-1";
-    out.scene_sha256 = scene.sha256;
-    out.seed = job.seed;
-    if (state.light != nullptr && !state.light->sky_sha256.empty()) {
-        out.texts["probe:skySha256"] = state.light->sky_sha256;
-    }
-    return out;
 }
 
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
@@ -289,8 +397,8 @@ ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilo
 
 std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
     std::optional<uint64_t> limit;
-    if (job.quality.target.metric == QualityTarget::Metric::kRays) {
-        limit = static_cast<uint64_t>(job.quality.target.value);
+    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
+        limit = static_cast<uint64_t>(job.quality.targets.front().value);
     }
     if (job.budget.rays) {
         const auto share =
@@ -301,19 +409,31 @@ std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
     return limit;
 }
 
-int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays) {
-    if (quality.evidence.pixels_per_probe) return *quality.evidence.pixels_per_probe;
-    const double rays_per_pixel =
-        quality.against == Against::kReference ? 16.0 : 2.0 * truth_grid * truth_grid;
+int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays) {
+    if (evidence.pixels_per_probe) return *evidence.pixels_per_probe;
+    const double paid_for = rays / (2.0 * truth_grid * truth_grid);
     const double texels = 6.0 * face_size_px * face_size_px;
-    const double paid_for = rays / rays_per_pixel;
-    if (quality.target.metric == QualityTarget::Metric::kIrradianceRel) {
-        const double most = std::min(texels, kMaxIrradianceDraws);
-        const double least = std::min(texels / 100.0, most);
-        return std::max(kMinAuditPixels, static_cast<int>(std::clamp(paid_for, least, most)));
+    const double most = std::min(texels, kMaxIrradianceDraws);
+    const double least = std::min(texels / 100.0, most);
+    return std::max(kLeastIrradianceDraws, static_cast<int>(std::clamp(paid_for, least, most)));
+}
+
+size_t probes_to_learn_from(const JobSpec& job) {
+    return job.probes.size() >= 2 * kProbesToLearnFrom ? kProbesToLearnFrom : 0;
+}
+
+void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult> first) {
+    for (size_t t = 0; t < pilot.steering.size(); ++t) {
+        if (!pilot.steering[t]) continue;
+        std::vector<AuditedRatio> audits;
+        for (const ProbeResult& result : first) {
+            if (t < result.first_look.size() && result.first_look[t]) {
+                audits.push_back(*result.first_look[t]);
+            }
+        }
+        pilot.steering[t] =
+            steering_of(quality.targets[t], learned_prior(pilot.steering[t]->prior, audits));
     }
-    return std::max(kMinAuditPixels,
-                    static_cast<int>(std::clamp(paid_for, texels / 100.0, texels / 10.0)));
 }
 
 }  // namespace probebake

@@ -29,6 +29,11 @@ inline constexpr int kDdgiBorder_px = 1;
 /// Texels per side of a probe's tile.
 constexpr int ddgi_tile_px(int inside_px) { return inside_px + 2 * kDdgiBorder_px; }
 
+/// Of both atlases, uncompressed: RGB in HALF, two channels in FLOAT.
+inline constexpr uint64_t kDdgiBytesPerProbe =
+    6 * ddgi_tile_px(kDdgiIrradiance_px) * ddgi_tile_px(kDdgiIrradiance_px) +
+    8 * ddgi_tile_px(kDdgiDistance_px) * ddgi_tile_px(kDdgiDistance_px);
+
 /// What counts as the distance of all that is farther.
 double ddgi_max_distance_m(const ProbeGrid& grid);
 

@@ -9,8 +9,9 @@
 namespace probebake {
 
 inline constexpr std::array<std::string_view, 2> kStateNames = {"albedo", "emission"};
-inline constexpr std::array<std::string_view, 5> kMetricNames = {"psnr_db", "rmse", "ssim", "rays",
-                                                                 "irradiance_rel"};
+inline constexpr std::array<std::string_view, 6> kMetricNames = {
+    "psnr_db", "rmse", "ssim", "rays", "irradiance_rel", "rel_mse"};
+inline constexpr std::array<std::string_view, 2> kRequireNames = {"all", "any"};
 inline constexpr std::array<std::string_view, 2> kAgainstNames = {"truth", "reference"};
 /// Those of RendererKind, then "auto": the plan chooses.
 inline constexpr std::array<std::string_view, 6> kRendererNames = {

@@ -227,13 +227,9 @@ class JobReader {
 
     void read_target(ObjectReader& quality) {
         ObjectReader targets = quality.object("targets");
-        QualityTarget& target = spec_.quality.target;
-        if (only_sh()) target = {QualityTarget::Metric::kIrradianceRel, kDefaultIrradianceRel};
-        int given = 0;
+        std::vector<QualityTarget> given;
         const auto take = [&](QualityTarget::Metric metric, std::optional<double> value) {
-            if (!value) return;
-            target = {metric, *value};
-            ++given;
+            if (value) given.push_back({metric, *value});
         };
         take(QualityTarget::Metric::kPsnrDb,
              targets.optional_number("psnr_db", {.min = 0.0, .max = 200.0, .more_than_min = true}));
@@ -244,13 +240,23 @@ class JobReader {
         take(QualityTarget::Metric::kIrradianceRel,
              targets.optional_number("irradiance_rel",
                                      {.min = 0.0, .max = 1.0, .more_than_min = true}));
+        take(QualityTarget::Metric::kRelMse,
+             targets.optional_number("rel_mse", {.min = 0.0, .max = 1.0, .more_than_min = true}));
         if (targets.has("rays")) {
             take(QualityTarget::Metric::kRays,
                  static_cast<double>(targets.unsigned_integer("rays", limits_.max_rays, {})));
         }
         targets.refuse_unknown();
-        if (given > 1) {
-            issues_.unacceptable("/quality/targets", "expected one target, not several");
+        spec_.quality.require = static_cast<Require>(quality.choice("require", kRequireNames, 0));
+        if (given.size() > 1 && targets.has("rays")) {
+            issues_.unacceptable("/quality/targets/rays",
+                                 "a number of rays is a target of its own: expected no other");
+        }
+        if (!given.empty()) {
+            spec_.quality.targets = std::move(given);
+        } else if (only_sh()) {
+            spec_.quality.targets = {
+                {QualityTarget::Metric::kIrradianceRel, kDefaultIrradianceRel}};
         }
     }
 
@@ -320,14 +326,15 @@ class JobReader {
                                                 std::to_string(limits_.max_texels));
         }
         const uint64_t largest = largest_probe_pixels();
-        const QualityTarget& target = spec_.quality.target;
-        if (target.metric == QualityTarget::Metric::kRays &&
-            target.value < static_cast<double>(largest)) {
+        const QualitySpec& quality = spec_.quality;
+        if (only_target(quality, QualityTarget::Metric::kRays) &&
+            quality.targets.front().value < static_cast<double>(largest)) {
             issues_.unacceptable("/quality/targets/rays", "expected at least one ray per pixel, " +
                                                               std::to_string(largest) +
                                                               " for the largest probe");
         }
-        if (target.metric == QualityTarget::Metric::kSsim && smallest_face_px() < kSsimWindow_px) {
+        if (has_target(quality, QualityTarget::Metric::kSsim) &&
+            smallest_face_px() < kSsimWindow_px) {
             issues_.unacceptable("/quality/targets/ssim",
                                  "SSIM is not defined below a face size of 11 pixels");
         }

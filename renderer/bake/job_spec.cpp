@@ -1,5 +1,6 @@
 #include "bake/job_spec.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "bake/job_names.h"
@@ -49,8 +50,17 @@ Json write_products(const Products& products) {
 }  // namespace
 
 bool wants_leaf_rays_only(const JobSpec& spec) {
-    return spec.quality.target.metric == QualityTarget::Metric::kIrradianceRel &&
+    return only_target(spec.quality, QualityTarget::Metric::kIrradianceRel) &&
            !spec.quality.settings;
+}
+
+bool has_target(const QualitySpec& quality, QualityTarget::Metric metric) {
+    return std::any_of(quality.targets.begin(), quality.targets.end(),
+                       [&](const QualityTarget& target) { return target.metric == metric; });
+}
+
+bool only_target(const QualitySpec& quality, QualityTarget::Metric metric) {
+    return quality.targets.size() == 1 && quality.targets.front().metric == metric;
 }
 
 const ProbeGrid* grid_of(const JobSpec& spec, size_t probe) {
@@ -114,11 +124,14 @@ Json write_job(const JobSpec& spec) {
     json["probes"] = write_probes(spec);
 
     const QualitySpec& quality = spec.quality;
-    const QualityTarget& target = quality.target;
     Json& out = json["quality"];
-    out["targets"][std::string(name_of(target.metric))] =
-        target.metric == QualityTarget::Metric::kRays ? Json(static_cast<uint64_t>(target.value))
-                                                      : Json(target.value);
+    for (const QualityTarget& target : quality.targets) {
+        out["targets"][std::string(name_of(target.metric))] =
+            target.metric == QualityTarget::Metric::kRays
+                ? Json(static_cast<uint64_t>(target.value))
+                : Json(target.value);
+    }
+    out["require"] = kRequireNames[static_cast<size_t>(quality.require)];
     out["renderer"] = quality.renderer ? name_of(*quality.renderer) : "auto";
     out["against"] = name_of(quality.against);
     out["weighting"] = kWeightingNames[static_cast<size_t>(quality.weighting)];

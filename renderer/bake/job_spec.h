@@ -41,7 +41,7 @@ struct ProbeGrid {
     }
 };
 
-/// The one quality target of a job.
+/// A quality target of a job.
 struct QualityTarget {
     enum class Metric {
         kPsnrDb,
@@ -49,10 +49,14 @@ struct QualityTarget {
         kSsim,
         kRays,           // per probe and state
         kIrradianceRel,  // ‖A_l ΔL_lm‖ / ‖A_l L_lm‖ (sh_audit.h)
+        kRelMse,         // squared errors over squared values (metrics.h)
     };
     Metric metric = Metric::kPsnrDb;
     double value = 40.0;
 };
+
+/// Which of several targets have to be met.
+enum class Require { kAll, kAny };
 
 /// The target of a job that names none and whose only product are spherical harmonics.
 inline constexpr double kDefaultIrradianceRel = 0.05;
@@ -71,7 +75,8 @@ struct EvidenceSpec {
 };
 
 struct QualitySpec {
-    QualityTarget target;
+    std::vector<QualityTarget> targets = {QualityTarget{}};  // at least one; rays only alone
+    Require require = Require::kAll;
     /// None: the plan chooses.
     std::optional<RendererKind> renderer;
     /// Settings of the client's own: nothing is searched, the target only judges the outcome.
@@ -137,6 +142,10 @@ const ProbeGrid* grid_of(const JobSpec& spec, size_t probe);
 
 std::string_view name_of(QualityTarget::Metric metric);
 std::string_view name_of(Against against);
+
+/// Whether the job has a target of this metric, and whether that is its only one.
+bool has_target(const QualitySpec& quality, QualityTarget::Metric metric);
+bool only_target(const QualitySpec& quality, QualityTarget::Metric metric);
 
 /// A renderer's settings, as requests and reports write them: those that it looks at.
 Json write_settings(const RenderSettings& settings);

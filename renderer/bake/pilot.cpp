@@ -13,10 +13,16 @@ namespace {
 /// Of a budget of seconds, what the pilot may use before it takes what it has.
 constexpr double kPilotShare = 0.5;
 
-/// Prices that are tried, each a quarter of the one before, after the first whose estimate meets
-/// the target: if the bound does not come down by then, it hangs on single pixels that no price
-/// reaches, and the looks at each probe have to tell.
-constexpr int kFurtherPrices = 2;
+/// What the first look at a probe aims at, of the error that the target allows: what it spares the
+/// probes whose error is less than predicted pays for further looks at the others
+/// (docs/results/calibration.md).
+constexpr double kFirstAim = 0.72;
+/// Relative standard deviation of an audited pixel where nothing is known: of squared errors on the
+/// scenes of docs/results/calibration.md.
+constexpr double kUsualDrawCv = 10.0;
+constexpr double kLargestSpread = 2.0;
+/// Actual over predicted mean squared error, mean over those scenes.
+constexpr double kUsualRatio = 0.65;
 
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
 /// at its end, where a pixel may cost hundreds of rays.
@@ -32,18 +38,22 @@ class Search {
   public:
     Search(const JobSpec& job, const Plan& plan, PilotSample& pixels,
            const std::optional<TimeBudget>& time, const std::function<bool()>& out_of_time)
-        : job_(job), plan_(plan), pixels_(pixels), time_(time), out_of_time_(out_of_time) {}
+        : job_(job),
+          sampled_(sampled(job.quality)),
+          plan_(plan),
+          pixels_(pixels),
+          time_(time),
+          out_of_time_(out_of_time) {}
 
     /// Fills the pilot's settings, expectation and finer candidates; returns the whole frontier,
     /// cheapest first, and which of it was chosen.
     std::pair<std::vector<Candidate>, size_t> run(Pilot& pilot) {
         std::vector<Candidate> all = compare(pilot);
         size_t chosen = cheapest_that_meets(all);
-        if (chosen == all.size() && pays_by_price()) chosen = first_by_estimate(all);
         pilot.expectation = Expectation::kTargetMet;
         if (chosen == all.size()) {
             --chosen;  // the finest there is
-            if (!estimate_meets(job_.quality.target, all[chosen].error)) {
+            if (!estimate_meets(sampled_, all[chosen].error)) {
                 pilot.expectation = Expectation::kUnreachable;
             }
         }
@@ -58,10 +68,13 @@ class Search {
             if (!ray_target()) pilot.expectation = Expectation::kBudgetExhausted;
         }
         pilot.settings = all[chosen].settings;
-        if (all[chosen].error.mse.nothing_found()) pilot.settings = cautious_settings();
+        if (all[chosen].error.mse.nothing_found() && !(all[chosen].predicted > 0.0)) {
+            pilot.settings = cautious_settings();
+        }
         pilot.settings_mse = all[chosen].error.mse.value;
         if (pilot.settings.kind == RendererKind::kHybrid) {
             pilot.finer = lower_prices(pilot.settings.price, pilot.settings_mse);
+            if (steers(pilot)) pilot.steering = steering(all[chosen]);
             return {std::move(all), chosen};
         }
         for (size_t i = chosen + 1; i < all.size(); ++i) {
@@ -74,6 +87,63 @@ class Search {
     }
 
   private:
+    /// Whether probes are refined until their own predictions say so.
+    bool steers(const Pilot& pilot) const {
+        return pilot.expectation == Expectation::kTargetMet && !ray_target() && !job_.budget.rays &&
+               pilot.settings.price > 0.0;
+    }
+
+    std::vector<std::optional<Steering>> steering(const Candidate& chosen) const {
+        std::vector<std::optional<Steering>> all;
+        for (const QualityTarget& target : job_.quality.targets) {
+            const std::optional<Estimate> size = error_size(target.metric, chosen.error);
+            const std::optional<RatioEstimate> ratio = expected_ratio(chosen, target);
+            all.emplace_back();
+            if (!ratio) continue;
+            const bool windows = target.metric == QualityTarget::Metric::kSsim;
+            const double draw_cv = windows ? size->standard_error() / size->value *
+                                                 std::sqrt(static_cast<double>(size->samples))
+                                           : kUsualDrawCv;
+            all.back() = steering_of(
+                target,
+                {.ratio = ratio->value,
+                 .spread = std::min(kLargestSpread, std::hypot(kUsualSpread, ratio->known_to)),
+                 .draw_cv = draw_cv});
+        }
+        return all;
+    }
+
+    struct RatioEstimate {
+        double value = 1.0;
+        double known_to = 0.0;  // relative standard deviation
+    };
+
+    /// Of actual over predicted error. The few pixels of a sample may hold one that is wrong as
+    /// few are, or none of them: of squared errors, what is usual counts beside what they say.
+    std::optional<RatioEstimate> expected_ratio(const Candidate& candidate,
+                                                const QualityTarget& target) const {
+        const std::optional<Estimate> size = error_size(target.metric, candidate.error);
+        if (!size || !(candidate.predicted > 0.0)) return std::nullopt;
+        const bool of_squares = target.metric == QualityTarget::Metric::kPsnrDb ||
+                                target.metric == QualityTarget::Metric::kRmse;
+        if (!(size->value > 0.0) && !of_squares) return std::nullopt;
+        const double measured = std::max(0.0, size->value) / candidate.predicted;
+        const double error = size->standard_error() / candidate.predicted;
+        const double own = measured > 0.0 ? measured * measured / (error * error) : 0.0;
+        const double usual = of_squares ? 1.0 / (kUsualSpread * kUsualSpread) : 0.0;
+        return RatioEstimate{(usual * kUsualRatio + own * measured) / (usual + own),
+                             1.0 / std::sqrt(usual + own)};
+    }
+
+    /// By what the pilot's pixels say and what is usual.
+    bool expected_to_meet(const Candidate& candidate) const {
+        return targets_meet(sampled_, [&](const QualityTarget& target) {
+            const auto ratio = expected_ratio(candidate, target);
+            return ratio ? ratio->value * candidate.predicted <= kFirstAim * *largest_size(target)
+                         : estimate_meets(target, candidate.error);
+        });
+    }
+
     /// Prices in steps of two. Their errors are guessed: at half the price the squared error is
     /// 0.58 to 0.85 of what it was, 0.70 on average (docs/decisions.md).
     static std::vector<FinerSettings> lower_prices(double price, double mse) {
@@ -90,7 +160,6 @@ class Search {
     /// Compares lower and lower prices, until some meet the target.
     std::vector<Candidate> compare_prices(Pilot& pilot) {
         constexpr double kNextPrice = 0.25;
-        int further = kFurtherPrices;
         pixels_.extend_hybrid(std::numeric_limits<double>::infinity());
         double price = 0.0;
         for (const SearchPixel& pixel : pixels_.sample().pixels) {
@@ -105,9 +174,8 @@ class Search {
                 evaluate_all(hybrid_settings(pixels_.sample(), price));
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
-            std::vector<Candidate> best = frontier(std::move(candidates), job_.quality.target);
-            if (!ray_target() && first_by_estimate(best) < best.size()) --further;
-            if (enough || further < 0 || price < 0.0 || out_of_time_()) return best;
+            std::vector<Candidate> best = frontier(std::move(candidates), sampled_);
+            if (enough || price < 0.0 || out_of_time_()) return best;
         }
     }
 
@@ -122,7 +190,9 @@ class Search {
     /// Whether no finer candidates are needed: some meet the target, or cost more than may be
     /// spent.
     bool is_enough(const std::vector<Candidate>& candidates) const {
-        if (!ray_target()) return cheapest_that_meets(candidates) < candidates.size();
+        if (!ray_target()) {
+            return cheapest_that_meets(candidates) < candidates.size();
+        }
         return std::any_of(candidates.begin(), candidates.end(),
                            [&](const Candidate& candidate) { return !affordable(candidate); });
     }
@@ -140,7 +210,7 @@ class Search {
             std::vector<Candidate> candidates = evaluate_all(settings);
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
-            best = frontier(std::move(candidates), job_.quality.target);
+            best = frontier(std::move(candidates), sampled_);
             if (enough || !refines_further || out_of_time_()) break;
         }
         return best;
@@ -168,23 +238,10 @@ class Search {
     size_t cheapest_that_meets(const std::vector<Candidate>& all) const {
         if (ray_target()) return all.size() - 1;
         const auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-            return bound_meets(job_.quality.target, candidate.error,
-                               job_.quality.evidence.confidence);
+            return pays_by_price()
+                       ? expected_to_meet(candidate)
+                       : bound_meets(sampled_, candidate.error, job_.quality.evidence.confidence);
         });
-        return static_cast<size_t>(at - all.begin());
-    }
-
-    /// The first whose estimate meets the target, with some certainty if possible.
-    size_t first_by_estimate(const std::vector<Candidate>& all) const {
-        const QualityTarget& target = job_.quality.target;
-        auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-            return bound_meets(target, candidate.error, kLookConfidence);
-        });
-        if (at == all.end()) {
-            at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
-                return estimate_meets(target, candidate.error);
-            });
-        }
         return static_cast<size_t>(at - all.begin());
     }
 
@@ -200,7 +257,7 @@ class Search {
     bool affordable(const Candidate& candidate) const {
         const auto pixels = static_cast<double>(pixel_count(job_));
         if (ray_target()) {
-            const double rays_per_pixel = job_.quality.target.value *
+            const double rays_per_pixel = job_.quality.targets.front().value *
                                           static_cast<double>(job_.probes.size()) *
                                           static_cast<double>(job_.states.size()) / pixels;
             if (candidate.rays_per_pixel > rays_per_pixel) return false;
@@ -220,11 +277,23 @@ class Search {
         return true;
     }
 
-    bool ray_target() const { return job_.quality.target.metric == QualityTarget::Metric::kRays; }
+    bool ray_target() const { return only_target(job_.quality, QualityTarget::Metric::kRays); }
+    /// The job's targets without irradiance, which a sample of pixels does not tell.
+    static QualitySpec sampled(QualitySpec quality) {
+        auto& targets = quality.targets;
+        targets.erase(std::remove_if(targets.begin(), targets.end(),
+                                     [](const QualityTarget& target) {
+                                         return target.metric ==
+                                                QualityTarget::Metric::kIrradianceRel;
+                                     }),
+                      targets.end());
+        return quality;
+    }
     bool pays_by_price() const { return plan_.renderers.front() == RendererKind::kHybrid; }
     bool limited_by_rays() const { return ray_target() || job_.budget.rays; }
 
     const JobSpec& job_;
+    const QualitySpec sampled_;
     const Plan& plan_;
     PilotSample& pixels_;
     const std::optional<TimeBudget>& time_;
@@ -270,6 +339,10 @@ void begin_with_one_ray(Pilot& pilot) {
 
 }  // namespace
 
+Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
+    return {.goal = kFirstAim * *largest_size(target) / prior.ratio, .prior = prior};
+}
+
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     const auto start = std::chrono::steady_clock::now();
@@ -303,6 +376,11 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     }
     for (const RenderSettings& settings : measured) {
         if (out_of_time() && settings != pilot.settings) continue;
+        // What was recorded is not cast again.
+        if (settings.kind == RendererKind::kHybrid && settings.price >= pixels.recorded_price()) {
+            pilot.curve.push_back(pixels.replayed(settings));
+            continue;
+        }
         pilot.curve.push_back(pixels.render(settings));
         const CurvePoint& point = pilot.curve.back();
         pilot.curve_cost.rays += point.rays;

@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "bake/error_prior.h"
 #include "bake/pilot_sample.h"
 #include "bake/plan.h"
 
@@ -22,6 +23,16 @@ enum class Expectation {
     kBudgetExhausted,  // settings that would meet the target cost more than the budget
     kUnreachable,      // not even the finest settings meet it
 };
+
+/// How a target is reached by the hybrid renderer: every probe is refined until the mean squared
+/// error that it predicts of itself (metrics' units) is `goal`; and what the pilot knows of how
+/// predictions and errors of the target's metric compare.
+struct Steering {
+    double goal = 0.0;
+    ErrorPrior prior;
+};
+
+Steering steering_of(const QualityTarget& target, const ErrorPrior& prior);
 
 struct FinerSettings {
     RenderSettings settings;
@@ -37,6 +48,8 @@ struct Pilot {
     Expectation expectation = Expectation::kTargetMet;
     /// Settings that refine further, cheapest first, for a probe that misses the target.
     std::vector<FinerSettings> finer;
+    /// One per target of the job (none for irradiance), where probes are steered; else empty.
+    std::vector<std::optional<Steering>> steering;
     /// From LOD only to beyond the target, cheapest first; empty for leaf rays only.
     std::vector<CurvePoint> curve;
     uint64_t pixels = 0;      // of the sample

@@ -16,22 +16,28 @@ namespace probebake {
 namespace {
 
 constexpr uint64_t kMaxProbes = 64;
-constexpr uint64_t kMinPixels = 512;
+constexpr uint64_t kMinPixels = 384;
 constexpr uint64_t kMaxPixels = 4096;
-constexpr uint64_t kTexelsPerPixel = 50;
+constexpr uint64_t kTexelsPerPixel = 200;
 constexpr uint64_t kMinWindows = 12;
 constexpr uint64_t kMaxWindows = 48;
 /// Largest standard error that the truth's noise may give the mean squared error, as a share of
 /// what the target allows.
-constexpr double kTruthNoiseShare = 0.1;
+constexpr double kTruthNoiseShare = 0.25;
 
 }  // namespace
+
+uint64_t pilot_pixels(const JobSpec& job) {
+    const uint64_t texels = texel_count(job) / job.states.size();
+    return std::min(texels, std::clamp(texels / kTexelsPerPixel, kMinPixels, kMaxPixels));
+}
 
 PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
                          const CancelToken& cancel)
     : scene_(scene), job_(job), state_(std::move(state)), cancel_(cancel) {
+    sample_.rel_mse = has_target(job.quality, QualityTarget::Metric::kRelMse);
     choose_places();
-    const QualityTarget& target = job.quality.target;
+    const QualityTarget& target = job.quality.targets.front();
     const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
                           target.metric == QualityTarget::Metric::kRmse;
     if (wants_leaf_rays_only(job)) {  // all that is wanted of the sample is the exposure
@@ -58,10 +64,8 @@ void PilotSample::choose_places() {
     for (size_t i = 0; i < used; ++i) {
         std::swap(probes[i], probes[i + random.below(probes.size() - i)]);
     }
-    const uint64_t texels = texel_count(job_) / job_.states.size();
-    const uint64_t pixels =
-        std::min(texels, std::clamp(texels / kTexelsPerPixel, kMinPixels, kMaxPixels));
-    sample_.windows = job_.quality.target.metric == QualityTarget::Metric::kSsim;
+    const uint64_t pixels = pilot_pixels(job_);
+    sample_.windows = has_target(job_.quality, QualityTarget::Metric::kSsim);
     uint64_t squares = pixels;
     if (sample_.windows) {
         squares = std::clamp(pixels / kSsimWindow_px / kSsimWindow_px, kMinWindows, kMaxWindows);
@@ -168,17 +172,36 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
 }
 
 void PilotSample::extend_hybrid(double price) {
+    recorded_price_ = price;
     search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
         HybridRecord& record = sample_.pixels[at.index].hybrid;
         const HybridCast cast{at.scene, at.view, at.owner.x, at.owner.y};
         if (record.recorded() == 0) {
             record.pixel.evidence.contrast = contrast_at(at, stats);
-            record_stage(cast, record, stats);
+            record_timed_stage(cast, record, stats);
         }
         while (record.recorded() < kHybridStages && record.gain() > price) {
-            record_stage(cast, record, stats);
+            record_timed_stage(cast, record, stats);
         }
     });
+}
+
+void PilotSample::record_timed_stage(const HybridCast& cast, HybridRecord& record,
+                                     CostStats& stats) {
+    const auto start = std::chrono::steady_clock::now();
+    record_stage(cast, record, stats);
+    const auto stage = static_cast<size_t>(record.pixel.stage);
+    record.stages[stage].seconds =
+        (stage > 0 ? record.stages[stage - 1].seconds : 0.0) +
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+CurvePoint PilotSample::replayed(const RenderSettings& settings) const {
+    const Candidate at = evaluate(sample_, settings);
+    const auto n = static_cast<double>(sample_.pixels.size());
+    return {settings, static_cast<uint64_t>(std::llround(at.rays_per_pixel * n)),
+            static_cast<uint64_t>(std::llround(at.steps_per_pixel * n)), at.seconds_per_pixel * n,
+            at.error};
 }
 
 /// Calls visit(place in the block, pixel) for the pixels of the 3×3 block around a pixel that its

@@ -18,12 +18,15 @@ struct CurvePoint {
     MeasuredError error;
 };
 
+/// How many pixels the pilot of one state draws.
+uint64_t pilot_pixels(const JobSpec& job);
+
 /// All functions run on the calling arena, give the same values for any number of threads, and
 /// throw Cancelled.
 class PilotSample {
   public:
-    /// Draws the pixels of up to 64 probes, two per cent of the job within bounds; whole windows of
-    /// SSIM where that is the target. Casts their truth and finds the exposure.
+    /// Draws the pixels of up to 64 probes, half a per cent of the job within bounds; whole windows
+    /// of SSIM where that is the target. Casts their truth and finds the exposure.
     PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
                 const CancelToken& cancel);
 
@@ -32,6 +35,11 @@ class PilotSample {
     void extend(const std::vector<RendererKind>& renderers, int leaf_grid);
     /// Casts what the hybrid renderer would at any price from this one up. Prices in falling order.
     void extend_hybrid(double price);
+
+    /// The lowest price so far; infinite before.
+    double recorded_price() const { return recorded_price_; }
+    /// What the hybrid renderer makes of every pixel, from what is recorded.
+    CurvePoint replayed(const RenderSettings& settings) const;
 
     /// Renders every pixel and measures the error.
     CurvePoint render(const RenderSettings& settings);
@@ -61,6 +69,7 @@ class PilotSample {
     void cast_truth();
     void set_exposure();
     double truth_noise() const;
+    static void record_timed_stage(const HybridCast& cast, HybridRecord& record, CostStats& stats);
     double contrast_at(const Target& target, CostStats& stats) const;
     double variation_at(const Target& target, CostStats& stats) const;
     template <class Cast>
@@ -73,6 +82,7 @@ class PilotSample {
     std::vector<Place> places_;
     SearchSample sample_;
     int truth_grid_ = kTruthGrids.front();
+    double recorded_price_ = std::numeric_limits<double>::infinity();
     CostStats search_cost_;
 };
 

@@ -46,16 +46,24 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         if (job.products.*kProductFlags[i]) continue;
         leave(std::string(kProductNames[i]) + " file", "products do not name it");
     }
-    if (job.quality.target.metric != QualityTarget::Metric::kSsim) {
+    if (!has_target(job.quality, QualityTarget::Metric::kSsim)) {
         leave("SSIM audit", "the target is another metric; SSIM costs whole windows of pixels");
     }
     return out;
 }
 
-/// Of both atlases, uncompressed: RGB in HALF, two channels in FLOAT.
-constexpr uint64_t kDdgiBytesPerProbe =
-    6 * ddgi_tile_px(kDdgiIrradiance_px) * ddgi_tile_px(kDdgiIrradiance_px) +
-    8 * ddgi_tile_px(kDdgiDistance_px) * ddgi_tile_px(kDdgiDistance_px);
+/// What the hybrid renderer keeps of a pixel between two refinements (hybrid_view.h).
+constexpr uint64_t kKeptPixelBytes = 260;
+
+/// Cheapest first.
+std::vector<RendererKind> renderers_of(const JobSpec& job) {
+    if (wants_leaf_rays_only(job)) return {RendererKind::kReference};
+    if (job.quality.renderer) return {*job.quality.renderer};
+    // The hybrid's colours are nearer to the truth than 4 × 4 leaf rays are: not what a job wants
+    // that measures against these.
+    if (job.quality.against == Against::kTruth) return {RendererKind::kHybrid};
+    return {RendererKind::kErrorAware, RendererKind::kReference};
+}
 
 /// Of all files together, uncompressed; a latlong has 8 N² pixels where a cube has 6 N².
 uint64_t bytes_per_texel(const Products& products) {
@@ -81,6 +89,7 @@ JobSize size_of_job(const JobSpec& job) {
     size.unit_bytes =
         unit_texels *
         (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
+         (renderers_of(job).front() == RendererKind::kHybrid ? kKeptPixelBytes : 0) +
          (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
     if (job.products.specular || job.products.ddgi) {
         size.unit_bytes += SphereFilter::memory_bytes(largest);
@@ -96,17 +105,7 @@ JobSize size_of_job(const JobSpec& job) {
 Plan make_plan(const Scene& scene, const JobSpec& job) {
     Plan plan;
     plan.leaf_rays_only = wants_leaf_rays_only(job);
-    if (plan.leaf_rays_only) {
-        plan.renderers = {RendererKind::kReference};
-    } else if (job.quality.renderer) {
-        plan.renderers = {*job.quality.renderer};
-    } else {
-        // The hybrid's colours are nearer to the truth than 4 × 4 leaf rays are: not what a job
-        // wants that measures against these.
-        plan.renderers = job.quality.against == Against::kTruth
-                             ? std::vector{RendererKind::kHybrid}
-                             : std::vector{RendererKind::kErrorAware, RendererKind::kReference};
-    }
+    plan.renderers = renderers_of(job);
     plan.needs_error_table = plan.renderers.front() == RendererKind::kErrorAware ||
                              plan.renderers.front() == RendererKind::kHybrid;
     plan.needs_pilot = !job.quality.settings && !plan.leaf_rays_only;

@@ -50,6 +50,22 @@ double squared_error(const Rgb& value, const TruthPair& truth, double exposure) 
     return glm::dot(d1, d2) / 3.0;
 }
 
+double relative_squared_error(const Rgb& value, const TruthPair& truth, double exposure,
+                              double floor) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const double a = value[c] / exposure;
+        const double r1 = truth.r1[c] / exposure;
+        const double r2 = truth.r2[c] / exposure;
+        const double square = (a - r1) * (a - r2);
+        const double r = (r1 + r2) / 2.0;
+        if (square != 0.0) sum += square / (r * r + floor);
+    }
+    return sum / 3.0;
+}
+
+double relative_floor(double mean) { return 0.01 * mean * mean; }
+
 ErrorFigures figures_of(const Estimate& mse, double confidence) {
     const Interval interval = mse.interval(confidence);
     const auto root = [](double x) { return std::sqrt(std::max(0.0, x)); };
@@ -65,6 +81,39 @@ double largest_square(const QualityTarget& target) {
                                                            : target.value * target.value;
 }
 
+std::optional<Estimate> error_size(QualityTarget::Metric metric, const MeasuredError& error) {
+    switch (metric) {
+        case QualityTarget::Metric::kPsnrDb:
+        case QualityTarget::Metric::kRmse:
+            return error.mse;
+        case QualityTarget::Metric::kRelMse:
+            return error.rel_mse;
+        case QualityTarget::Metric::kSsim: {
+            if (!error.ssim) return std::nullopt;
+            Estimate size = *error.ssim;
+            size.value = 1.0 - size.value;
+            size.third_moment = -size.third_moment;
+            return size;
+        }
+        default:
+            return std::nullopt;
+    }
+}
+
+std::optional<double> largest_size(const QualityTarget& target) {
+    switch (target.metric) {
+        case QualityTarget::Metric::kPsnrDb:
+        case QualityTarget::Metric::kRmse:
+            return largest_square(target);
+        case QualityTarget::Metric::kRelMse:
+            return target.value;
+        case QualityTarget::Metric::kSsim:
+            return 1.0 - target.value;
+        default:
+            return std::nullopt;
+    }
+}
+
 bool estimate_meets(const QualityTarget& target, const MeasuredError& error) {
     switch (target.metric) {
         case QualityTarget::Metric::kRays:
@@ -73,6 +122,8 @@ bool estimate_meets(const QualityTarget& target, const MeasuredError& error) {
             return error.ssim && error.ssim->value >= target.value;
         case QualityTarget::Metric::kIrradianceRel:
             return error.irradiance && error.irradiance->value() <= target.value;
+        case QualityTarget::Metric::kRelMse:
+            return error.rel_mse && error.rel_mse->value <= target.value;
         default:
             return error.mse.value <= largest_square(target);
     }
@@ -86,22 +137,22 @@ bool bound_meets(const QualityTarget& target, const MeasuredError& error, double
             return error.ssim && error.ssim->interval(confidence).low >= target.value;
         case QualityTarget::Metric::kIrradianceRel:
             return error.irradiance && error.irradiance->interval(confidence).high <= target.value;
+        case QualityTarget::Metric::kRelMse:
+            return error.rel_mse && error.rel_mse->interval(confidence).high <= target.value;
         default:
             return error.mse.interval(confidence).high <= largest_square(target);
     }
 }
 
-bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence) {
-    switch (target.metric) {
-        case QualityTarget::Metric::kRays:
-            return false;
-        case QualityTarget::Metric::kSsim:
-            return error.ssim && error.ssim->interval(confidence).high < target.value;
-        case QualityTarget::Metric::kIrradianceRel:
-            return error.irradiance && error.irradiance->interval(confidence).low > target.value;
-        default:
-            return error.mse.interval(confidence).low > largest_square(target);
-    }
+bool estimate_meets(const QualitySpec& quality, const MeasuredError& error) {
+    return targets_meet(quality,
+                        [&](const QualityTarget& target) { return estimate_meets(target, error); });
+}
+
+bool bound_meets(const QualitySpec& quality, const MeasuredError& error, double confidence) {
+    return targets_meet(quality, [&](const QualityTarget& target) {
+        return bound_meets(target, error, confidence);
+    });
 }
 
 }  // namespace probebake

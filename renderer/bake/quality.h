@@ -5,6 +5,7 @@
 // of the squared error of a value a (docs/conventions.md, "Audited error").
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -44,12 +45,19 @@ TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
 /// Unbiased estimate of the mean squared error over R, G, B after dividing by the exposure; may be
 /// negative.
 double squared_error(const Rgb& value, const TruthPair& truth, double exposure);
+/// The same, each channel over r² + floor with r the mean of both estimates: what rel_mse is the
+/// mean of. `floor` is relative_floor of the image.
+double relative_squared_error(const Rgb& value, const TruthPair& truth, double exposure,
+                              double floor);
+/// 0.01 · mean², of the mean over pixels and channels, divided by the exposure.
+double relative_floor(double mean);
 
 /// What is known of an image's error.
 struct MeasuredError {
     Estimate mse;
     std::optional<Estimate> ssim;
     std::optional<NormEstimate> irradiance;  // relative (sh_audit.h)
+    std::optional<Estimate> rel_mse;
 };
 
 /// The figures of a MeasuredError as reports show them.
@@ -66,16 +74,27 @@ ErrorFigures figures_of(const Estimate& mse, double confidence);
 /// The square of the largest error that meets a target of PSNR, RMSE or irradiance_rel.
 double largest_square(const QualityTarget& target);
 
+/// Errors of all metrics as sizes that shrink as a render is refined: mean squared error (PSNR and
+/// RMSE), rel_mse, 1 − SSIM; and the largest that meets a target. None where it was not measured,
+/// and of irradiance and rays.
+std::optional<Estimate> error_size(QualityTarget::Metric metric, const MeasuredError& error);
+std::optional<double> largest_size(const QualityTarget& target);
+
 /// Whether the estimate alone meets a target, and whether the far end of its interval does. A
 /// target of rays says nothing about error: always true.
 bool estimate_meets(const QualityTarget& target, const MeasuredError& error);
 bool bound_meets(const QualityTarget& target, const MeasuredError& error, double confidence);
 
-/// Confidence of the interval whose far end decides on the way whether a render is good enough. The
-/// certificate asks for the job's own; a decision has a smaller sample, and one by the estimate
-/// alone would leave the probes that miss by a little to luck.
-inline constexpr double kLookConfidence = 0.7;
-/// Whether even the near end of the interval misses it.
-bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence);
+/// The same of a job's targets: all of them or any.
+bool estimate_meets(const QualitySpec& quality, const MeasuredError& error);
+bool bound_meets(const QualitySpec& quality, const MeasuredError& error, double confidence);
+
+/// all_of or any_of a job's targets, as it requires.
+template <class Meets>
+bool targets_meet(const QualitySpec& quality, Meets meets) {
+    const auto& targets = quality.targets;
+    return quality.require == Require::kAll ? std::all_of(targets.begin(), targets.end(), meets)
+                                            : std::any_of(targets.begin(), targets.end(), meets);
+}
 
 }  // namespace probebake

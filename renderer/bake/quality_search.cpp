@@ -46,15 +46,17 @@ Estimate mean_ssim(const SearchSample& sample, const std::vector<Rgb>& colors) {
     return Estimate::of_mean(moments);
 }
 
-/// Pixels of a window are alike: the window, not the pixel, is what was drawn independently.
-Estimate mean_squared_error(const SearchSample& sample, const std::vector<Rgb>& colors) {
+/// Mean of error(color, truth) over the pixels. Pixels of a window are alike: the window, not the
+/// pixel, is what was drawn independently.
+template <class Error>
+Estimate mean_error(const SearchSample& sample, const std::vector<Rgb>& colors, Error error) {
     const size_t group = sample.windows ? kWindowPixels : 1;
     Moments moments;
     for (size_t begin = 0; begin < sample.pixels.size(); begin += group) {
         double sum = 0.0;
         for (size_t i = begin; i < begin + group; ++i) {
             const SearchPixel& pixel = sample.pixels[i];
-            sum += pixel.weight * squared_error(colors[i], pixel.truth, sample.exposure);
+            sum += pixel.weight * error(colors[i], pixel.truth);
         }
         moments.add(sum / static_cast<double>(group));
     }
@@ -86,8 +88,20 @@ ReplayedPixel replay(const SearchPixel& pixel, const RenderSettings& settings) {
 }
 
 MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors) {
-    MeasuredError error{mean_squared_error(sample, colors), std::nullopt};
+    MeasuredError error{mean_error(sample, colors, [&](const Rgb& value, const TruthPair& truth) {
+        return squared_error(value, truth, sample.exposure);
+    })};
     if (sample.windows) error.ssim = mean_ssim(sample, colors);
+    if (!sample.rel_mse) return error;
+    double mean = 0.0;
+    for (const SearchPixel& pixel : sample.pixels) {
+        const Vec3 truth = (Vec3(pixel.truth.r1) + Vec3(pixel.truth.r2)) / 2.0;
+        mean += pixel.weight * (truth.x + truth.y + truth.z) / 3.0 / sample.exposure;
+    }
+    const double floor = relative_floor(mean / static_cast<double>(sample.pixels.size()));
+    error.rel_mse = mean_error(sample, colors, [&](const Rgb& value, const TruthPair& truth) {
+        return relative_squared_error(value, truth, sample.exposure, floor);
+    });
     return error;
 }
 
@@ -95,15 +109,23 @@ Candidate evaluate(const SearchSample& sample, const RenderSettings& settings) {
     std::vector<Rgb> colors;
     uint64_t rays = 0;
     uint64_t steps = 0;
+    double predicted = 0.0;
+    double seconds = 0.0;
     for (const SearchPixel& pixel : sample.pixels) {
         const ReplayedPixel replayed = replay(pixel, settings);
+        predicted += pixel.weight * replayed.predicted;
+        seconds += replayed.seconds;
         colors.emplace_back(replayed.color);
         rays += replayed.rays;
         steps += replayed.steps;
     }
     const auto n = static_cast<double>(sample.pixels.size());
-    return {settings, static_cast<double>(rays) / n, static_cast<double>(steps) / n,
-            measure(sample, colors)};
+    return {.settings = settings,
+            .rays_per_pixel = static_cast<double>(rays) / n,
+            .steps_per_pixel = static_cast<double>(steps) / n,
+            .seconds_per_pixel = seconds / n,
+            .predicted = predicted / n / (sample.exposure * sample.exposure),
+            .error = measure(sample, colors)};
 }
 
 namespace {
@@ -229,10 +251,10 @@ std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& ren
     return all;
 }
 
-std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualityTarget& target) {
+std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualitySpec& quality) {
     const auto badness = [&](const Candidate& c) {
-        return target.metric == QualityTarget::Metric::kSsim ? -c.error.ssim->value
-                                                             : c.error.mse.value;
+        const auto size = error_size(quality.targets.front().metric, c.error);
+        return size ? size->value : c.error.mse.value;
     };
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) {

@@ -28,6 +28,7 @@ struct SearchSample {
     std::vector<SearchPixel> pixels;
     /// Pixels come as whole windows of SSIM, 121 in a row each; without, one by one.
     bool windows = false;
+    bool rel_mse = false;  // whether it is measured
     double exposure = 1.0;
 };
 
@@ -38,11 +39,13 @@ struct Candidate {
     RenderSettings settings;
     double rays_per_pixel = 0.0;
     double steps_per_pixel = 0.0;
+    double seconds_per_pixel = 0.0;  // hybrid only, as the next
+    double predicted = 0.0;          // mean squared error, by the renderer's own prediction
     MeasuredError error;
 };
 Candidate evaluate(const SearchSample& sample, const RenderSettings& settings);
 
-/// Error of given colours on the sample.
+/// Error of given colours on the sample; rel_mse with the mean of the whole sample.
 MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors);
 
 /// Leaf grids of every pixel that are worth comparing below the reference's 4 × 4, where the plan
@@ -64,6 +67,6 @@ std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, double l
 std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers);
 
 /// The candidates that no other beats in both steps and error, cheapest first.
-std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualityTarget& target);
+std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualitySpec& quality);
 
 }  // namespace probebake

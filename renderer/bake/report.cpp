@@ -47,10 +47,50 @@ Json write_error(const MeasuredError& error, double confidence) {
         json["irradiance_rel"] = error.irradiance->value();
         json["irradiance_rel_interval"] = {interval.low, interval.high};
     }
+    if (error.rel_mse) {
+        const Interval interval = error.rel_mse->interval(confidence);
+        json["rel_mse"] = error.rel_mse->value;
+        json["rel_mse_interval"] = {interval.low, interval.high};
+    }
     if (error.ssim) {
         const Interval interval = error.ssim->interval(confidence);
         json["ssim"] = error.ssim->value;
         json["ssim_interval"] = {interval.low, interval.high};
+    }
+    return json;
+}
+
+/// What is known of a probe's error: its own audit's figures, and in their place, where there are
+/// any, those that the job's other audits took part in.
+Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
+    Json own = write_error(result.certificate.error, result.confidence);
+    Json json = own;
+    json["confidence"] = result.confidence;
+    for (size_t t = 0; t < result.pooled.size(); ++t) {
+        if (!result.pooled[t]) continue;
+        const PooledError& pooled = *result.pooled[t];
+        const Interval& interval = pooled.interval;
+        switch (job.quality.targets[t].metric) {
+            case QualityTarget::Metric::kRelMse:
+                json["rel_mse"] = pooled.value;
+                json["rel_mse_interval"] = {interval.low, interval.high};
+                break;
+            case QualityTarget::Metric::kSsim:
+                json["ssim"] = 1.0 - pooled.value;
+                json["ssim_interval"] = {1.0 - interval.high, 1.0 - interval.low};
+                break;
+            default: {
+                const ErrorFigures figures = error_figures(job.quality, result);
+                json["rmse"] = figures.rmse;
+                json["rmse_interval"] = {figures.rmse_interval.low, figures.rmse_interval.high};
+                json["psnr_db"] = optional_json(figures.psnr_db);
+                json["psnr_db_interval"] = {optional_json(figures.psnr_low_db),
+                                            optional_json(figures.psnr_high_db)};
+            }
+        }
+        json["confidence"] = job.quality.evidence.confidence;
+        json["own_audit"] = own;
+        json["own_audit"]["confidence"] = result.confidence;
     }
     return json;
 }
@@ -74,11 +114,6 @@ std::string_view name_of(Expectation expectation) {
     constexpr std::array<std::string_view, 3> kNames = {"target_met", "budget_exhausted",
                                                         "unreachable"};
     return kNames[static_cast<size_t>(expectation)];
-}
-
-std::string_view name_of(EvidenceOf evidence) {
-    constexpr std::array<std::string_view, 3> kNames = {"none", "probe", "job"};
-    return kNames[static_cast<size_t>(evidence)];
 }
 
 struct Costs {
@@ -142,6 +177,19 @@ Json write_lighting(const StateLight& light) {
     return json;
 }
 
+/// How actual errors compare with predicted ones, as the units were baked with.
+Json write_steering(const Pilot& pilot) {
+    Json json = Json::array();
+    for (const std::optional<Steering>& target : pilot.steering) {
+        if (!target) continue;
+        json.push_back({{"predicted_mse_goal", target->goal},
+                        {"actual_over_predicted", target->prior.ratio},
+                        {"spread", target->prior.spread},
+                        {"draw_cv", target->prior.draw_cv}});
+    }
+    return json;
+}
+
 Json write_state(const BakeRecord& record, const Pilot& pilot) {
     const double confidence = record.job.quality.evidence.confidence;
     const MeasuredError pooled = pooled_error(record, pilot.state.spec);
@@ -161,6 +209,7 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
                   {{"pixels", pilot.pixels},
                    {"candidates", pilot.candidates},
                    {"truth_grid", pilot.truth_grid},
+                   {"steering", write_steering(pilot)},
                    {"wall_seconds", pilot.wall_seconds}}},
                  {"results", verdicts},
                  {"cost", costs.write()},
@@ -215,6 +264,10 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
             if (!pooled.irradiance) pooled.irradiance = NormEstimate{};
             pooled.irradiance->add(weight, *error.irradiance);
         }
+        if (error.rel_mse) {
+            if (!pooled.rel_mse) pooled.rel_mse = Estimate{};
+            pooled.rel_mse->add(weight, *error.rel_mse);
+        }
         if (!error.ssim) continue;
         if (!pooled.ssim) pooled.ssim = Estimate{};
         pooled.ssim->add(weight, *error.ssim);
@@ -224,16 +277,15 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
 
 Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
                 const MeasuredError& pooled) {
-    const QualityTarget& target = job.quality.target;
     // A number of rays is a limit that holds by construction.
-    if (target.metric == QualityTarget::Metric::kRays) {
+    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
         return {Verdict::kTargetMet, EvidenceOf::kNone};
     }
     if (result.certificate.pixels == 0) return {Verdict::kNotAudited, EvidenceOf::kNone};
-    const double confidence = job.quality.evidence.confidence;
-    const MeasuredError& own = result.certificate.error;
-    if (bound_meets(target, own, confidence)) return {Verdict::kTargetMet, EvidenceOf::kProbe};
-    if (bound_meets(target, pooled, confidence) && !surely_misses(target, own, confidence)) {
+    if (result.target_met) return {Verdict::kTargetMet, result.evidence};
+    // What is not steered has no prior: the mean of all probes may tell.
+    if (pilot.steering.empty() && estimate_meets(job.quality, result.certificate.error) &&
+        bound_meets(job.quality, pooled, job.quality.evidence.confidence)) {
         return {Verdict::kTargetMet, EvidenceOf::kJob};
     }
     if (result.limited || pilot.expectation == Expectation::kBudgetExhausted) {
@@ -276,8 +328,7 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
         json["faces"].push_back(std::move(face));
     }
     if (result.certificate.pixels > 0) {
-        json["error"] =
-            write_error(result.certificate.error, record.job.quality.evidence.confidence);
+        json["error"] = write_probe_error(record.job, result);
     }
     json["files"] = write_files(result.files);
     return json;
@@ -320,6 +371,10 @@ Json write_report(const BakeRecord& record) {
                            " atlases of irradiance are FLOAT: they hold values above 65504");
     }
     const QualitySpec& quality = record.job.quality;
+    Json targets = Json::array();
+    for (const QualityTarget& target : quality.targets) {
+        targets.push_back({{"metric", name_of(target.metric)}, {"value", target.value}});
+    }
     Json states = Json::array();
     for (const Pilot& pilot : record.pilots) {
         costs.add(pilot);
@@ -329,8 +384,8 @@ Json write_report(const BakeRecord& record) {
             {"scene", write_scene(record.scene)},
             {"plan", write_plan(record.plan)},
             {"target",
-             {{"metric", name_of(quality.target.metric)},
-              {"value", quality.target.value},
+             {{"targets", std::move(targets)},
+              {"require", kRequireNames[static_cast<size_t>(quality.require)]},
               {"against", name_of(quality.against)},
               {"confidence", quality.evidence.confidence},
               {"weighting", kWeightingNames[static_cast<size_t>(quality.weighting)]}}},

@@ -22,13 +22,6 @@ enum class Verdict {
 };
 std::string_view name_of(Verdict verdict);
 
-/// Whose evidence a verdict stands on.
-enum class EvidenceOf {
-    kNone,
-    kProbe,  // the probe's own audit tells
-    kJob,    // it is too small to tell; the audits of all probes of the state, pooled, tell
-};
-
 struct Judgement {
     Verdict verdict = Verdict::kNotAudited;
     EvidenceOf evidence = EvidenceOf::kNone;

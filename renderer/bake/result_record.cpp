@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 2;
+constexpr uint64_t kVersion = 3;
 
 class Damaged {};
 
@@ -192,14 +192,32 @@ void fields(Archive& archive, T& audit) {
 
 template <class Archive, Either<MeasuredError> T>
 void fields(Archive& archive, T& error) {
-    auto& [mse, ssim, irradiance] = error;
-    archive(mse, ssim, irradiance);
+    auto& [mse, ssim, irradiance, rel_mse] = error;
+    archive(mse, ssim, irradiance, rel_mse);
 }
 
 template <class Archive, Either<Audit> T>
 void fields(Archive& archive, T& audit) {
-    auto& [error, pixels, windows, sh, cost] = audit;
-    archive(error, pixels, windows, sh, cost);
+    auto& [error, pixels, windows, predicted, sh, cost] = audit;
+    archive(error, pixels, windows, predicted, sh, cost);
+}
+
+template <class Archive, Either<Interval> T>
+void fields(Archive& archive, T& interval) {
+    auto& [low, high] = interval;
+    archive(low, high);
+}
+
+template <class Archive, Either<PooledError> T>
+void fields(Archive& archive, T& pooled) {
+    auto& [value, interval, upper] = pooled;
+    archive(value, interval, upper);
+}
+
+template <class Archive, Either<AuditedRatio> T>
+void fields(Archive& archive, T& ratio) {
+    auto& [predicted, measured, variance, draws] = ratio;
+    archive(predicted, measured, variance, draws);
 }
 
 template <class Archive, Either<ProductFile> T>
@@ -217,9 +235,11 @@ void fields(Archive& archive, T& tile) {
 template <class Archive, Either<ProbeResult> T>
 void fields(Archive& archive, T& result) {
     auto& [probe, state, settings, faces, pixels, limited, looks, earlier_renders, certificate,
-           decision_cost, is_float, inside_voxel, far_m, wall_seconds, files, ddgi] = result;
-    archive(settings, faces, pixels, limited, looks, earlier_renders, certificate, decision_cost,
-            is_float, inside_voxel, far_m, wall_seconds, files, ddgi);
+           confidence, target_met, evidence, pooled, first_look, decision_cost, is_float,
+           inside_voxel, far_m, wall_seconds, files, ddgi] = result;
+    archive(settings, faces, pixels, limited, looks, earlier_renders, certificate, confidence,
+            target_met, evidence, pooled, first_look, decision_cost, is_float, inside_voxel, far_m,
+            wall_seconds, files, ddgi);
 }
 
 }  // namespace

@@ -179,7 +179,7 @@ void record_stage(const HybridCast& cast, HybridRecord& record, CostStats& stats
     record.stages[s] = {pixel.sums.scaled(1.0 / pixel.sums.samples).color,
                         static_cast<uint32_t>(pixel.cost.all_rays()),
                         static_cast<uint32_t>(pixel.cost.steps),
-                        predicted_gain(pixel.stage, pixel.evidence)};
+                        predicted_gain(pixel.stage, pixel.evidence), expected_error(pixel)};
     const HybridRecord::Stage before = s > 0 ? record.stages[s - 1] : HybridRecord::Stage{};
     stats.rays += record.stages[s].rays - before.rays;
     stats.steps += record.stages[s].steps - before.steps;
@@ -192,7 +192,7 @@ ReplayedPixel replay_hybrid(const HybridRecord& record, const RenderSettings& se
         ++stage;
     }
     const HybridRecord::Stage& at = record.stages[static_cast<size_t>(stage)];
-    return {at.color, at.rays, at.steps};
+    return {at.color, at.rays, at.steps, at.predicted, at.seconds};
 }
 
 }  // namespace probebake

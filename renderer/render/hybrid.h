@@ -93,6 +93,8 @@ struct HybridRecord {
         uint32_t rays = 0;  // up to this stage
         uint32_t steps = 0;
         double gain = 0.0;
+        double predicted = 0.0;  // squared error that is left
+        double seconds = 0.0;    // as far as whoever records says (record_stage does not)
     };
     std::array<Stage, kHybridStages> stages;
     HybridPixel pixel;

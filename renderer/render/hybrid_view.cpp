@@ -1,5 +1,7 @@
 #include "render/hybrid_view.h"
 
+#include <tbb/parallel_for.h>
+
 #include "render/hybrid.h"
 #include "render/tile_lists.h"
 #include "render/tiles.h"
@@ -30,6 +32,8 @@ struct Waiting {
     double gain = 0.0;
 };
 
+}  // namespace
+
 class HybridView {
   public:
     HybridView(const RenderScene& scene, const View& view, const RenderSettings& settings,
@@ -46,6 +50,49 @@ class HybridView {
         first_colors_.resize(out_.aux.size());
     }
 
+    /// Casts the first rays and keeps every pixel as it is then, for refine_to.
+    void begin() {
+        out_.stats += cast_first_rays();
+        for (int y = 0; y < view_.height_px; ++y) {
+            for (int x = 0; x < view_.width_px; ++x) {
+                if (!first_colors_[view_.index(x, y)].there) continue;
+                const HybridPixel pixel = after_first_ray(x, y);
+                out_.stats += pixel.cost;
+                store(x, y, pixel);
+                kept_.push_back(kept(x, y, pixel));
+            }
+        }
+        first_ = {};
+        first_colors_ = {};
+    }
+
+    /// Has every pixel go on that the price asks for; not below 0.
+    void refine_to(double price) {
+        settings_.price = price;
+        constexpr size_t kBlock = 64;
+        const size_t blocks = (kept_.size() + kBlock - 1) / kBlock;
+        out_.stats += for_each_row(static_cast<int>(blocks), cancel_, [&](int b, CostStats& stats) {
+            const size_t begin = static_cast<size_t>(b) * kBlock;
+            for (size_t i = begin; i < std::min(begin + kBlock, kept_.size()); ++i) {
+                Kept& at = kept_[i];
+                if (!(at.gain > price)) continue;
+                HybridPixel pixel{.stage = at.stage, .sums = at.sums, .evidence = at.evidence};
+                while (goes_on(pixel)) cast_stage(cast_at(at.x, at.y), pixel);
+                store(at.x, at.y, pixel);
+                stats += pixel.cost;
+                at = kept(at.x, at.y, pixel);
+            }
+        });
+    }
+
+    double largest_gain() const {
+        double largest = 0.0;
+        for (const Kept& pixel : kept_) largest = std::max(largest, pixel.gain);
+        return largest;
+    }
+
+    const ViewRender& render() const { return out_; }
+
     ViewRender run() {
         const CostStats first_pass = cast_first_rays();
         if (extent_.ray_limit) {
@@ -58,6 +105,25 @@ class HybridView {
     }
 
   private:
+    /// A pixel between two refinements. Its cost so far is counted.
+    struct Kept {
+        int x = 0;
+        int y = 0;
+        int stage = 0;
+        PixelSums sums;
+        PixelEvidence evidence;
+        double gain = 0.0;
+    };
+
+    static Kept kept(int x, int y, const HybridPixel& pixel) {
+        return {x,
+                y,
+                pixel.stage,
+                pixel.sums,
+                pixel.evidence,
+                predicted_gain(pixel.stage, pixel.evidence)};
+    }
+
     bool renders(int x, int y) const { return renders_pixel(extent_.face, x, y, view_.width_px); }
 
     HybridCast cast_at(int x, int y) const {
@@ -185,22 +251,60 @@ class HybridView {
     }
 
     const RenderScene& scene_;
-    const View& view_;
-    const RenderSettings& settings_;
+    const View view_;
+    RenderSettings settings_;
     const CancelToken& cancel_;
     ViewExtent extent_;
     TileLists lists_;
     std::vector<FirstRays> first_;
     std::vector<Neighbour> first_colors_;
+    std::vector<Kept> kept_;
     ViewRender out_;
 };
-
-}  // namespace
 
 ViewRender render_hybrid_view(const RenderScene& scene, const View& view,
                               const RenderSettings& settings, const CancelToken& cancel,
                               const ViewExtent& extent) {
     return HybridView(scene, view, settings, cancel, extent).run();
+}
+
+HybridCubemap::HybridCubemap(const RenderScene& scene, const Vec3& origin, int n,
+                             const CancelToken& cancel)
+    : n_(n) {
+    tbb::parallel_for(size_t{0}, views_.size(), [&](size_t f) {
+        const CubeFace face = kCubeFaces[f];
+        views_[f] = std::make_unique<HybridView>(scene, cube_face_view(face, n, origin),
+                                                 hybrid_at(0.0), cancel, ViewExtent{.face = face});
+        views_[f]->begin();
+    });
+}
+
+HybridCubemap::~HybridCubemap() = default;
+
+void HybridCubemap::refine_to(double price) {
+    tbb::parallel_for(size_t{0}, views_.size(), [&](size_t f) { views_[f]->refine_to(price); });
+}
+
+double HybridCubemap::largest_gain() const {
+    double largest = 0.0;
+    for (const auto& view : views_) largest = std::max(largest, view->largest_gain());
+    return largest;
+}
+
+CubemapRender HybridCubemap::render() const {
+    std::array<ViewRender, kFaceCount> views;
+    for (size_t f = 0; f < views.size(); ++f) views[f] = views_[f]->render();
+    return join_faces(n_, views);
+}
+
+double HybridCubemap::predicted_sum(const std::vector<double>& weights) const {
+    const size_t face_pixels = static_cast<size_t>(n_) * static_cast<size_t>(n_);
+    double sum = 0.0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+        const PixelAux& pixel = views_[i / face_pixels]->render().aux[i % face_pixels];
+        sum += weights[i] * static_cast<double>(pixel.predicted_error);
+    }
+    return sum;
 }
 
 }  // namespace probebake

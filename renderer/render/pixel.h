@@ -72,6 +72,8 @@ struct ReplayedPixel {
     Vec3 color{0.0};
     uint64_t rays = 0;  // kept and discarded
     uint64_t steps = 0;
+    double predicted = 0.0;  // squared error, radiance²; the hybrid renderer's alone
+    double seconds = 0.0;
 };
 
 /// What a ray of this direction shows of the hit's ancestor at octree level `level` (hit.level: the

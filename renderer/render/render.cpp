@@ -254,6 +254,10 @@ CubemapRender render_cubemap(const RenderScene& scene, const Vec3& origin, int n
             render_view(scene, cube_face_view(face, n, origin), settings, cancel,
                         extents[static_cast<size_t>(f)]);
     });
+    return join_faces(n, views);
+}
+
+CubemapRender join_faces(int n, const std::array<ViewRender, kFaceCount>& views) {
     CubemapRender out{.color = Cubemap(n)};
     for (const CubeFace face : kCubeFaces) {
         const auto f = static_cast<size_t>(index_of(face));

@@ -66,4 +66,7 @@ CubemapRender render_cubemap(const RenderScene& scene, const Vec3& origin, int n
                              const RenderSettings& settings, const CancelToken& cancel,
                              std::optional<uint64_t> ray_limit = {});
 
+/// The cubemap of its faces, each rendered as far as it owns its pixels.
+CubemapRender join_faces(int n, const std::array<ViewRender, kFaceCount>& views);
+
 }  // namespace probebake

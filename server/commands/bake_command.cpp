@@ -2,6 +2,8 @@
 #include <iostream>
 #include <memory>
 
+#include "bake/forecast.h"
+#include "bake/report_page.h"
 #include "commands/commands.h"
 #include "commands/local_job.h"
 #include "commands/report_text.h"
@@ -63,6 +65,7 @@ int bake(const BakeOptions& options) {
     std::string lines;
     for (const Json& row : rows) lines += dump_json(row) + "\n";
     write_file_atomically(options.out / "report.json", dump_json(report, 2) + "\n");
+    write_file_atomically(options.out / "report.html", report_page(report));
     write_file_atomically(options.out / "probes.jsonl", lines);
     if (options.json) {
         std::cout << dump_json(report, 2) << '\n';
@@ -76,9 +79,17 @@ int check(const BakeOptions& options) {
     const JobSpec job = read_job_file(options.job);
     RenderPool pool(options.scenes.threads);
     Json plan;
-    pool.run([&] { plan = write_plan(make_plan(*load(options.scenes, job.scene), job)); });
-    const Json answer = {
-        {"valid", true}, {"effective_request", write_job(job)}, {"plan", std::move(plan)}};
+    Json forecast;
+    pool.run([&] {
+        const std::shared_ptr<const Scene> scene = load(options.scenes, job.scene);
+        const Plan made = make_plan(*scene, job);
+        plan = write_plan(made);
+        forecast = write_forecast(make_forecast(*scene, job, made, pool.threads(), {}));
+    });
+    const Json answer = {{"valid", true},
+                         {"effective_request", write_job(job)},
+                         {"plan", std::move(plan)},
+                         {"estimate", std::move(forecast)}};
     if (options.json) {
         std::cout << dump_json(answer, 2) << '\n';
         return 0;
@@ -89,6 +100,11 @@ int check(const BakeOptions& options) {
               << bytes_text(made["output_bytes_at_most"]) << " of files\nscene "
               << bytes_text(made["memory"]["scene_bytes"]) << ", "
               << bytes_text(made["memory"]["bytes_per_work_unit"]) << " per cubemap at work\n";
+    const Json& estimate = answer["estimate"];
+    std::cout << "expected: " << fixed(estimate["seconds_range"][0], 1) << " to "
+              << fixed(estimate["seconds_range"][1], 1) << " s, "
+              << bytes_text(estimate["memory_bytes"]) << " of memory, "
+              << bytes_text(estimate["output_bytes"]) << " of files\n";
     for (const Json& left : made["left_out"]) {
         std::cout << "left out: " << left["what"].get<std::string>() << " ("
                   << left["why"].get<std::string>() << ")\n";
@@ -100,6 +116,23 @@ int check(const BakeOptions& options) {
 }
 
 }  // namespace
+
+void add_report_command(CLI::App& app, CommandWork& work) {
+    auto* command = app.add_subcommand("report", "A report as a page with plots, HTML");
+    const auto report = std::make_shared<std::filesystem::path>();
+    const auto out = std::make_shared<std::filesystem::path>();
+    command->add_option("report", *report, "A report.json")->required();
+    command->add_option("--out", *out, "HTML file to write")->required();
+    command->callback([report, out, &work] {
+        work = [report, out] {
+            const std::vector<std::byte> bytes = read_file(*report);
+            const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+            write_file_atomically(*out, report_page(parse_json(text, {.max_values = 10'000'000})));
+            std::cout << out->string() << '\n';
+            return 0;
+        };
+    });
+}
 
 void add_bake_command(CLI::App& app, CommandWork& work) {
     auto* command = app.add_subcommand("bake", "Bake a job here, without a service");

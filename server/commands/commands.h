@@ -14,6 +14,7 @@ namespace probebake {
 using CommandWork = std::function<int()>;
 
 void add_bake_command(CLI::App& app, CommandWork& work);
+void add_report_command(CLI::App& app, CommandWork& work);
 void add_check_command(CLI::App& app, CommandWork& work);
 void add_client_commands(CLI::App& app, CommandWork& work);  // submit, list, status, wait, …
 void add_import_command(CLI::App& app, CommandWork& work);
@@ -24,6 +25,7 @@ void add_token_command(CLI::App& app, CommandWork& work);
 void add_study_command(CLI::App& app, CommandWork& work);
 void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
 void add_beyond_command(CLI::App& study_app, CommandWork& work);
+void add_calibration_command(CLI::App& study_app, CommandWork& work);
 void add_octrees_command(CLI::App& study_app, CommandWork& work);
 
 }  // namespace probebake

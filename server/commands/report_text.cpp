@@ -44,11 +44,16 @@ std::string settings_text(const Json& settings) {
 std::string report_text(const Json& report, const std::vector<Json>& rows) {
     const Json& scene = report["scene"];
     const Json& target = report["target"];
-    const std::string metric = target["metric"];
+    const Json& targets = target["targets"];
+    const std::string metric = targets[0]["metric"];
+    std::string wanted;
+    for (const Json& one : targets) {
+        if (!wanted.empty()) wanted += target["require"] == "all" ? " and " : " or ";
+        wanted += one["metric"].get<std::string>() + " " + one["value"].dump();
+    }
     std::string text = "scene " + scene["name"].get<std::string>() + ": " +
                        grouped(scene["voxels"]) + " voxels, " + grouped(scene["octree_nodes"]) +
-                       " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " +
-                       target["metric"].get<std::string>() + " " + target["value"].dump() +
+                       " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " + wanted +
                        " against " + target["against"].get<std::string>() + "\n\n";
 
     Table table({"probe/state", "result", "evidence",

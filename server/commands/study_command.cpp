@@ -91,6 +91,7 @@ void add_study_command(CLI::App& app, CommandWork& work) {
     study->require_subcommand(1);
     add_thesis_command(*study, work);
     add_beyond_command(*study, work);
+    add_calibration_command(*study, work);
     add_octrees_command(*study, work);
     auto* command = study->add_subcommand(
         "error-table",

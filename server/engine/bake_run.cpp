@@ -7,6 +7,9 @@
 #include <chrono>
 #include <new>
 
+#include "bake/probe_files.h"
+#include "engine/remaining_time.h"
+
 namespace probebake {
 namespace {
 
@@ -58,10 +61,11 @@ class BakeRun {
         const Clock::time_point now = Clock::now();
         progress_.seconds = seconds_between(start_, now);
         if (baked_ > 0) {
-            const double per_unit =
-                seconds_between(render_begin_, now) / static_cast<double>(baked_);
-            progress_.seconds_left =
-                per_unit * static_cast<double>(progress_.units - progress_.units_done);
+            const RemainingTime left = unit_times_.left(
+                seconds_between(render_begin_, now),
+                static_cast<double>(progress_.units - progress_.units_done), pixels_left_);
+            progress_.seconds_left = left.seconds;
+            progress_.seconds_left_interval = left.interval;
         }
         if (params_.on_progress) params_.on_progress(progress_);
     }
@@ -120,7 +124,8 @@ class BakeRun {
         std::vector<size_t> last;
         for (size_t i = 0; i < unit_count(job_); ++i) {
             if (history.finished.contains(i) || history.given_up.contains(i)) continue;
-            if (!is_wanted(i) && !is_wanted_by_grid(i)) continue;
+            // To be mended as it was, a unit needs those that it learnt from.
+            if (!is_wanted(i) && !is_wanted_by_grid(i) && i >= teachers()) continue;
             (history.last.contains(i) ? last : units).push_back(i);
         }
         units.insert(units.end(), last.begin(), last.end());
@@ -130,15 +135,37 @@ class BakeRun {
     void render() {
         render_begin_ = Clock::now();
         results_ = params_.history.finished;
+        pixels_left_ = static_cast<double>(pixel_count(job_));
+        for (const auto& [i, result] : results_) pixels_left_ -= owned_pixels(result);
         const std::vector<size_t> units = units_to_bake();
-        params_.pool.for_each(units.size(), [&](size_t k) { bake_unit(units[k]); });
+        // The audits of the first probes tell how wrong the others' predictions will be.
+        const size_t first = teachers();
+        render_units(units, [&](size_t i) { return i < first; });
+        learn_from(first);
+        render_units(units, [&](size_t i) { return i >= first; });
+    }
+
+    /// Units that others learn from, the first ones.
+    size_t teachers() const { return probes_to_learn_from(job_) * job_.states.size(); }
+
+    double owned_pixels(const ProbeResult& result) const {
+        return static_cast<double>(owned_pixel_count(job_.probes[result.probe].face_size_px));
+    }
+
+    template <class Which>
+    void render_units(const std::vector<size_t>& units, const Which& which) {
+        std::vector<size_t> some;
+        std::copy_if(units.begin(), units.end(), std::back_inserter(some), which);
+        params_.pool.for_each(some.size(), [&](size_t k) { bake_unit(some[k]); });
     }
 
     void bake_unit(size_t i) {
         params_.cancel.throw_if_cancelled();
         if (params_.begin) params_.begin(i);
         // Probe by probe, so that a probe's states end together.
-        const UnitParams unit{.probe = i / job_.states.size(), .out_of_time = out_of_time()};
+        const UnitParams unit{.probe = i / job_.states.size(),
+                              .out_of_time = out_of_time(),
+                              .teaches = i < teachers()};
         ProbeResult result;
         try {
             result =
@@ -158,6 +185,17 @@ class BakeRun {
     void fail(size_t i, const std::string& why) {
         const std::lock_guard lock(mutex_);
         failed_[i] = why;
+    }
+
+    void learn_from(size_t units) {
+        for (size_t s = 0; s < pilots_.size(); ++s) {
+            std::vector<ProbeResult> results;
+            for (size_t i = s; i < units; i += pilots_.size()) {
+                const auto at = results_.find(i);  // not there where it failed
+                if (at != results_.end()) results.push_back(at->second);
+            }
+            learn(pilots_[s], job_.quality, results);
+        }
     }
 
     void make_atlases() {
@@ -204,6 +242,9 @@ class BakeRun {
         if (params_.sink) params_.sink(job_.probes[result.probe], result);
         for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
         if (baked_ == 0) first_unit_seconds_ = seconds_between(start_, Clock::now());
+        const double pixels = owned_pixels(result);
+        unit_times_.add(result.wall_seconds, pixels);
+        pixels_left_ -= pixels;
         results_[i] = std::move(result);
         ++baked_;
         ++progress_.units_done;
@@ -264,6 +305,8 @@ class BakeRun {
     uint64_t baked_ = 0;  // in this attempt
     BakeProgress progress_;
     double first_unit_seconds_ = 0.0;
+    UnitTimes unit_times_;
+    double pixels_left_ = 0.0;
 };
 
 }  // namespace

@@ -31,6 +31,7 @@ struct BakeProgress {
     uint64_t units = 0;
     double seconds = 0.0;                // since the bake began
     std::optional<double> seconds_left;  // expected, once units are done
+    Interval seconds_left_interval;      // 95 %
 };
 
 /// Work units are counted probe by probe, states fastest; after them come the atlases of `ddgi`,

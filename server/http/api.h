@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
 
 #include "http/access.h"
@@ -25,6 +26,8 @@ class Api {
         const SceneLibrary& scenes;
         /// Loads a scene, or takes it from a cache.
         std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)> load;
+        /// Does work for a check on the render threads.
+        std::function<void(const std::function<void()>&)> on_pool;
         const Tokens& tokens;
         Metrics& metrics;
         int threads = 1;  // of the render pool, for the version

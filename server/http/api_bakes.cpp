@@ -3,7 +3,7 @@
 #include <condition_variable>
 #include <thread>
 
-#include "bake/plan.h"
+#include "bake/forecast.h"
 #include "http/api.h"
 #include "http/file_answer.h"
 #include "http/page_token.h"
@@ -168,10 +168,19 @@ void Api::check(const Call& call) {
         throw SpecError(SpecError::Kind::kUnacceptable, "/scene",
                         std::string("the scene cannot be loaded: ") + error.what());
     }
-    answer_json({{"valid", true},
-                 {"effective_request", write_job(request.spec)},
-                 {"plan", write_plan(make_plan(*scene, request.spec))}},
-                call.response);
+    const Plan plan = make_plan(*scene, request.spec);
+    Json answer = {{"valid", true},
+                   {"effective_request", write_job(request.spec)},
+                   {"plan", write_plan(plan)}};
+    try {
+        parts_.on_pool([&] {
+            answer["estimate"] = write_forecast(
+                make_forecast(*scene, request.spec, plan, parts_.threads, deadline.token()));
+        });
+    } catch (const Cancelled&) {
+        answer["estimate"] = nullptr;  // the renderers are busy, or the job's probes take too long
+    }
+    answer_json(answer, call.response);
 }
 
 void Api::list(const Call& call) {
@@ -277,7 +286,11 @@ Json write_job_status(const JobSnapshot& job) {
         json["started_at"] = rfc3339(*job.started);
         json["progress"]["phase"] = name_of(progress.phase);
     }
-    if (progress.seconds_left) json["progress"]["seconds_left"] = *progress.seconds_left;
+    if (progress.seconds_left) {
+        const Interval& interval = progress.seconds_left_interval;
+        json["progress"]["seconds_left"] = *progress.seconds_left;
+        json["progress"]["seconds_left_interval"] = {interval.low, interval.high};
+    }
     if (job.ended) json["ended_at"] = rfc3339(*job.ended);
     if (job.failure) {
         Json& error = json["error"];

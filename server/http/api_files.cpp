@@ -1,4 +1,5 @@
 // What a job made, over HTTP: report, rows, files.
+#include "bake/report_page.h"
 #include "http/api.h"
 #include "http/file_answer.h"
 #include "http/page_token.h"
@@ -22,6 +23,18 @@ Json write_unit(const StoredUnit& unit) {
     return json;
 }
 
+/// A report of ours: as many values as 65,536 probes make.
+Json read_json(const OpenFile& file) {
+    std::string text(file.size_bytes(), '\0');
+    uint64_t done = 0;
+    while (done < text.size()) {
+        const size_t n = file.read_at(done, std::span(text).subspan(done));
+        if (n == 0) throw IoError("report.json", "ends early");
+        done += n;
+    }
+    return parse_json(text, {.max_values = 10'000'000});
+}
+
 [[noreturn]] void refuse_damaged() {
     throw ProblemError({.status = 410,
                         .code = "damaged",
@@ -36,7 +49,12 @@ Json write_unit(const StoredUnit& unit) {
 }  // namespace
 
 void Api::report(const Call& call) {
-    QueryReader(call.request).refuse_unknown();
+    QueryReader query(call.request);
+    const std::string format = query.text("format").value_or("json");
+    query.refuse_unknown();
+    if (format != "json" && format != "html") {
+        QueryReader::refuse("format", "expected json or html");
+    }
     const JobSnapshot job = find_job(call);
     if (job.state != JobState::kSucceeded) {
         const std::string state(name_of(job.state));
@@ -50,6 +68,13 @@ void Api::report(const Call& call) {
     std::optional<OpenStored> file = parts_.store.open_job_file(job.sequence, kReportFile);
     if (!file) find_job(call);  // forgotten in between
     if (!file || !file->content) refuse_damaged();
+    if (format == "html") {
+        call.response.set_header("Content-Security-Policy",
+                                 "default-src 'none'; style-src 'unsafe-inline'");
+        call.response.set_content(report_page(read_json(*file->content)),
+                                  "text/html; charset=utf-8");
+        return;
+    }
     answer_file(std::move(file->content), "application/json", call.response);
 }
 

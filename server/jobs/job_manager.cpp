@@ -373,8 +373,11 @@ JobSnapshot JobManager::snapshot(const Job& job) const {
     if (!job.running) return seen;
     seen.progress.seconds = seconds_since(job.started);
     if (seen.progress.seconds_left) {
-        seen.progress.seconds_left =
-            std::max(0.0, *seen.progress.seconds_left - seconds_since(job.progressed));
+        const double since = seconds_since(job.progressed);
+        const auto later = [since](double seconds) { return std::max(0.0, seconds - since); };
+        Interval& interval = seen.progress.seconds_left_interval;
+        interval = {later(interval.low), later(interval.high)};
+        seen.progress.seconds_left = later(*seen.progress.seconds_left);
     }
     return seen;
 }

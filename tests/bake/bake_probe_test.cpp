@@ -10,6 +10,7 @@
 #include "image/exr.h"
 #include "image/metrics.h"
 #include "io/sha256.h"
+#include "render/render.h"
 
 namespace probebake {
 namespace {
@@ -48,8 +49,10 @@ TEST_F(BakeProbeTest, TheFileHoldsTheCubemapAndWhatIsKnownOfIt) {
     EXPECT_EQ(attributes.scene_sha256, scene_.sha256);
     EXPECT_EQ(attributes.seed, 7u);
     EXPECT_TRUE(attributes.valid);
-    const double mse = result.certificate.error.mse.value;
-    EXPECT_NEAR(attributes.numbers.at("probe:err:rmse"), std::sqrt(mse), 1e-12);
+    const PooledError& known = *result.pooled.front();
+    EXPECT_NEAR(attributes.numbers.at("probe:err:rmse"), std::sqrt(known.value), 1e-12);
+    EXPECT_NEAR(attributes.numbers.at("probe:err:rmseHigh"), std::sqrt(known.interval.high), 1e-12);
+    EXPECT_EQ(attributes.texts.at("probe:err:evidence"), name_of(result.evidence));
     EXPECT_EQ(attributes.numbers.at("probe:err:pixels"),
               static_cast<double>(result.certificate.pixels));
 
@@ -92,6 +95,7 @@ TEST_F(BakeProbeTest, AProbeThatMissesTheTargetIsRefinedFurther) {
     const JobSpec job = test::small_job(2, {{"psnr_db", 30.0}});
     Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
     const RenderSettings good = pilot.settings;
+    pilot.steering.clear();
     pilot.settings = {.kind = RendererKind::kLod};
     pilot.settings_mse = pilot.curve.front().error.mse.value;
     pilot.finer.insert(pilot.finer.begin(), {good, std::pow(10.0, -3.0)});
@@ -159,14 +163,66 @@ TEST_F(BakeProbeTest, EmissionIsASeparateState) {
     EXPECT_EQ(brightest(LightingState::kEmission), 1048576.0f);  // a 1e6 emitter survives
 }
 
-TEST_F(BakeProbeTest, AuditPixelsGrowWithTheCubeAndWithWhatWasSpentOnIt) {
-    EXPECT_EQ(audit_pixels({}, 4, 16, 0), 64);
-    EXPECT_EQ(audit_pixels({}, 4, 64, 0), 245);
-    EXPECT_EQ(audit_pixels({}, 4, 64, 32'000), 1000);  // 2 × 16 rays for each
-    EXPECT_EQ(audit_pixels({}, 8, 64, 32'000), 250);
-    EXPECT_EQ(audit_pixels({.against = Against::kReference}, 4, 64, 32'000), 2000);
-    EXPECT_EQ(audit_pixels({}, 4, 64, 1e9), 2457);
-    EXPECT_EQ(audit_pixels({.evidence = {.pixels_per_probe = 999}}, 4, 16, 0), 999);
+TEST_F(BakeProbeTest, IrradianceDrawsGrowWithTheCubeAndWithWhatWasSpentOnIt) {
+    EXPECT_EQ(irradiance_draws({}, 4, 16, 0), 64);
+    EXPECT_EQ(irradiance_draws({}, 4, 64, 0), 245);
+    EXPECT_EQ(irradiance_draws({}, 4, 64, 32'000), 1000);  // 2 × 16 rays for each
+    EXPECT_EQ(irradiance_draws({}, 4, 64, 1e9), 24'576);
+    EXPECT_EQ(irradiance_draws({.pixels_per_probe = 999}, 4, 16, 0), 999);
+}
+
+TEST_F(BakeProbeTest, ASteeredProbeIsRefinedUntilItsBoundMeetsTheTarget) {
+    const JobSpec job = test::small_job(2, {{"psnr_db", 32.0}});
+    Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
+    ASSERT_TRUE(pilot.steering.front());
+    // Far too hopeful: it thinks that errors are a twentieth of what they are.
+    pilot.steering.front()->goal *= 20.0;
+    const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
+    EXPECT_GE(result.looks, 2);
+    EXPECT_TRUE(result.target_met);
+    EXPECT_EQ(result.earlier_renders.rays, 0u) << "refined, not rendered again";
+    EXPECT_GT(result.decision_cost.rays, 0u);
+    EXPECT_LE(result.pooled.front()->upper, std::pow(10.0, -3.2));
+    // The bytes are those of its price, however it came to it.
+    const RenderScene what = render_scene(scene_, job.probes[0], LightingState::kAlbedo);
+    const CubemapRender expected = render_cubemap(what, scene_.to_voxels(job.probes[0].position_m),
+                                                  16, result.settings, cancel_);
+    EXPECT_TRUE(decode_cubemap(result.files[0].bytes, "cube.exr").cubemap ==
+                rounded_to_file(expected.color));
+    EXPECT_EQ(result.render_cost().steps, expected.total().steps);
+}
+
+TEST_F(BakeProbeTest, RelativeErrorIsATarget) {
+    const JobSpec job = test::small_job(1, {{"rel_mse", 0.01}});
+    const ProbeResult result = bake(job);
+    EXPECT_TRUE(result.target_met);
+    const RenderScene what = render_scene(scene_, job.probes[0], LightingState::kAlbedo);
+    const Cubemap truth =
+        render_cubemap(what, scene_.to_voxels(job.probes[0].position_m), 16,
+                       {.kind = RendererKind::kReference, .leaf_grid = 32}, cancel_)
+            .color;
+    const Cubemap cube = decode_cubemap(result.files[0].bytes, "cube.exr").cubemap;
+    EXPECT_LT(*compare_cubemaps(cube, truth, 1.0).cube.rel_mse, 0.01);
+}
+
+// The audits of 100 probes and more cost less than 15 % of their render.
+TEST_F(BakeProbeTest, AuditAndPilotAreASmallShareOfALargeJob) {
+    const JobSpec job = test::small_job(8, {{"psnr_db", 32.0}});
+    Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
+    CostStats render;
+    CostStats audit;
+    std::vector<ProbeResult> first;
+    for (size_t i = 0; i < 8; ++i) {
+        first.push_back(bake_probe(scene_, job, pilot, {.probe = i, .teaches = true}, cancel_));
+    }
+    learn(pilot, job.quality, first);
+    for (size_t i = 0; i < 8; ++i) {
+        const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = i}, cancel_);
+        render += result.render_cost();
+        audit += result.certificate.cost;
+        audit += result.decision_cost;
+    }
+    EXPECT_LT(static_cast<double>(audit.steps), 0.15 * static_cast<double>(render.steps));
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ TEST(JobSpec, FillsInDefaults) {
     EXPECT_EQ(job.probes[0].face_size_px, 64);
     EXPECT_EQ(job.probes[0].near_m, 0.0);
     EXPECT_FALSE(job.probes[0].far_m);
-    EXPECT_EQ(job.quality.target.metric, QualityTarget::Metric::kPsnrDb);
-    EXPECT_EQ(job.quality.target.value, 40.0);
+    EXPECT_EQ(job.quality.targets.front().metric, QualityTarget::Metric::kPsnrDb);
+    EXPECT_EQ(job.quality.targets.front().value, 40.0);
     EXPECT_FALSE(job.quality.renderer);
     EXPECT_TRUE(job.quality.evidence.audit);
     EXPECT_EQ(job.seed, 1u);
@@ -75,11 +75,25 @@ TEST(JobSpec, TheEffectiveRequestReadsBackAsTheSameJob) {
 
 TEST(JobSpec, ReadsEachTarget) {
     const auto target = [](const Json& targets) {
-        return read_job(test::small_request(1, targets)).quality.target;
+        return read_job(test::small_request(1, targets)).quality.targets.front();
     };
     EXPECT_EQ(target({{"ssim", 0.9}}).metric, QualityTarget::Metric::kSsim);
     EXPECT_EQ(target({{"rays", 100'000}}).value, 100'000.0);
     EXPECT_EQ(target({{"rmse", 0.01}}).value, 0.01);
+    EXPECT_EQ(target({{"rel_mse", 0.02}}).metric, QualityTarget::Metric::kRelMse);
+    EXPECT_EQ(target({{"rel_mse", 0.02}}).value, 0.02);
+}
+
+TEST(JobSpec, ReadsSeveralTargetsAndWhichOfThemCount) {
+    Json request = test::small_request(1, {{"psnr_db", 30.0}, {"ssim", 0.9}});
+    EXPECT_EQ(read_job(request).quality.targets.size(), 2u);
+    EXPECT_EQ(read_job(request).quality.require, Require::kAll);
+    request["quality"]["require"] = "any";
+    const JobSpec job = read_job(request);
+    EXPECT_EQ(job.quality.require, Require::kAny);
+    EXPECT_EQ(write_job(read_job(write_job(job))), write_job(job));
+    request["quality"]["require"] = "most";
+    EXPECT_EQ(problem_of(request).substr(0, 21), "400 /quality/require:");
 }
 
 TEST(JobSpec, SaysWhereAndWhatWasExpected) {
@@ -93,7 +107,7 @@ TEST(JobSpec, SaysWhereAndWhatWasExpected) {
         {with("/quality/targets/psnr", 1), "400 /quality/targets/psnr: is unknown"},
         {with("/quality/targets/psnr_db", -1), "422 /quality/targets/psnr_db: is -1"},
         {with("/quality/targets/psnr_db", "40"), "400 /quality/targets/psnr_db: expected a number"},
-        {with("/quality/targets/rmse", 0.01), "422 /quality/targets: expected one target"},
+        {with("/quality/targets/rays", 100'000), "422 /quality/targets/rays: a number of rays is"},
         {with("/quality/renderer", "best"), "400 /quality/renderer: expected one of"},
         {with("/quality/settings", {{"threshold", 0.1}}),
          "422 /quality/settings: settings of your own need a renderer"},

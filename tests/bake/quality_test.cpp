@@ -63,13 +63,10 @@ TEST(Quality, TargetsAreJudgedByTheFarEndOfTheInterval) {
     const MeasuredError clear{estimate(0.5e-4, 0.1e-4), {}};
     const MeasuredError close{estimate(0.9e-4, 0.1e-4), {}};
     const MeasuredError over{estimate(1.1e-4, 0.1e-4), {}};
-    const MeasuredError far{estimate(1.5e-4, 0.1e-4), {}};
     EXPECT_TRUE(bound_meets(psnr, clear, 0.95));
     EXPECT_FALSE(bound_meets(psnr, close, 0.95));
     EXPECT_TRUE(estimate_meets(psnr, close));
     EXPECT_FALSE(estimate_meets(psnr, over));
-    EXPECT_FALSE(surely_misses(psnr, over, 0.95));
-    EXPECT_TRUE(surely_misses(psnr, far, 0.95));
     const QualityTarget rmse{QualityTarget::Metric::kRmse, 0.01};
     EXPECT_TRUE(bound_meets(rmse, clear, 0.95));
     EXPECT_FALSE(estimate_meets(rmse, over));
@@ -77,7 +74,21 @@ TEST(Quality, TargetsAreJudgedByTheFarEndOfTheInterval) {
     EXPECT_FALSE(estimate_meets(ssim, clear));  // not measured
     EXPECT_TRUE(bound_meets(ssim, {estimate(1, 0), estimate(0.98, 0.01)}, 0.95));
     EXPECT_FALSE(bound_meets(ssim, {estimate(1, 0), estimate(0.96, 0.01)}, 0.95));
-    EXPECT_TRUE(surely_misses(ssim, {estimate(1, 0), estimate(0.9, 0.01)}, 0.95));
+}
+
+TEST(Quality, AllTargetsOrAny) {
+    QualitySpec quality{.targets = {{QualityTarget::Metric::kPsnrDb, 40.0},
+                                    {QualityTarget::Metric::kRelMse, 0.02}}};
+    MeasuredError error{estimate(0.5e-4, 0.1e-4)};
+    error.rel_mse = estimate(0.03, 0.001);
+    EXPECT_FALSE(bound_meets(quality, error, 0.95));
+    quality.require = Require::kAny;
+    EXPECT_TRUE(bound_meets(quality, error, 0.95));
+    error.rel_mse = estimate(0.015, 0.001);
+    quality.require = Require::kAll;
+    EXPECT_TRUE(bound_meets(quality, error, 0.95));
+    error.rel_mse.reset();
+    EXPECT_FALSE(bound_meets(quality, error, 0.95)) << "not measured";
 }
 
 TEST(Quality, FiguresOfAnEstimate) {

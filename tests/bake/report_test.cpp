@@ -26,6 +26,8 @@ TEST(Judge, OwnEvidenceFirstThenTheJobs) {
     const MeasuredError vague{estimate(0.9e-4, 0.5e-4), {}};
     const auto judge_own = [&](const MeasuredError& own, const MeasuredError& pooled) {
         result.certificate.error = own;
+        result.target_met = bound_meets(job.quality, own, 0.95);
+        result.evidence = EvidenceOf::kProbe;
         return judge(job, pilot, result, pooled);
     };
     EXPECT_EQ(judge_own(good, bad).verdict, Verdict::kTargetMet);
@@ -33,7 +35,14 @@ TEST(Judge, OwnEvidenceFirstThenTheJobs) {
     EXPECT_EQ(judge_own(vague, good).verdict, Verdict::kTargetMet);
     EXPECT_EQ(judge_own(vague, good).evidence, EvidenceOf::kJob);
     EXPECT_EQ(judge_own(vague, vague).verdict, Verdict::kTargetMissed);
-    // What the probe itself disproves, no pooled evidence can save.
+    // What the probe itself disproves, or only misses by its own estimate, no other can save.
+    EXPECT_EQ(judge_own(bad, good).verdict, Verdict::kTargetMissed);
+    const MeasuredError a_little{estimate(1.1e-4, 0.5e-4), {}};
+    EXPECT_EQ(judge_own(a_little, good).verdict, Verdict::kTargetMissed);
+    // Nor where the job's evidence has been asked already, probe by probe.
+    pilot.steering = {Steering{}};
+    EXPECT_EQ(judge_own(vague, good).verdict, Verdict::kTargetMissed);
+    pilot.steering.clear();
     EXPECT_EQ(judge_own(bad, good).verdict, Verdict::kTargetMissed);
     result.settings = pilot.finer.back().settings;
     EXPECT_EQ(judge_own(bad, good).verdict, Verdict::kUnreachable);
@@ -64,9 +73,13 @@ TEST(Report, AddsUpAndStatesItsEvidence) {
                             .wall_seconds = 1.5,
                             .peak_memory_bytes = 1000};
     const MeasuredError pooled = pooled_error(record, LightingState::kAlbedo);
-    EXPECT_EQ(pooled.mse.samples, 3u * 64);
+    uint64_t samples = 0;
     double mean = 0.0;
-    for (const ProbeResult& result : results) mean += result.certificate.error.mse.value / 3.0;
+    for (const ProbeResult& result : results) {
+        samples += result.certificate.pixels;
+        mean += result.certificate.error.mse.value / 3.0;
+    }
+    EXPECT_EQ(pooled.mse.samples, samples);
     EXPECT_NEAR(pooled.mse.value, mean, 1e-12);
 
     const Json report = write_report(record);

@@ -171,13 +171,12 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     }
     const Pilot pilot = this->pilot(job);
     EXPECT_TRUE(pilot.curve.empty());
-    // Two rays of truth in each of the sample's 512 pixels, for the exposure.
-    EXPECT_EQ(pilot.search_cost.all_rays(), 1024U);
+    // Two rays of truth in each of the sample's 384 pixels, for the exposure.
+    EXPECT_EQ(pilot.search_cost.all_rays(), 768U);
     const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
     EXPECT_EQ(
         result.settings,
         (RenderSettings{.kind = RendererKind::kReference, .leaf_grid = 1, .shifted_grid = true}));
-    EXPECT_EQ(result.looks, 1);
     EXPECT_EQ(result.render_cost().all_rays(), owned_pixel_count(16));
     EXPECT_EQ(result.render_cost().level_histogram[0], result.render_cost().hits());
     const MeasuredError& own = result.certificate.error;
@@ -248,9 +247,10 @@ TEST_F(ShTest, RequestsForIrradiance) {
     Json request = test::small_request();
     request["products"] = {"sh"};
     request["quality"].erase("targets");
-    EXPECT_EQ(read_job(request).quality.target.metric, QualityTarget::Metric::kIrradianceRel);
+    EXPECT_EQ(read_job(request).quality.targets.front().metric,
+              QualityTarget::Metric::kIrradianceRel);
     request["products"] = {"cube", "sh"};
-    EXPECT_EQ(read_job(request).quality.target.metric, QualityTarget::Metric::kPsnrDb);
+    EXPECT_EQ(read_job(request).quality.targets.front().metric, QualityTarget::Metric::kPsnrDb);
     request["quality"] = {{"targets", {{"irradiance_rel", 0.02}}}, {"renderer", "hybrid"}};
     EXPECT_THROW(read_job(request), SpecError);
     request["quality"]["settings"] = {{"price", 0.1}};

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "render/error_aware.h"
+#include "render/hybrid_view.h"
 #include "render/render.h"
 #include "render/render_fixture.h"
 
@@ -227,6 +228,30 @@ TEST_F(HybridTest, SeesThatARaySlippedPastSomething) {
     }
     EXPECT_GT(slipped, 0);
     EXPECT_GT(seen, 0) << "unless the bar lies in no node that the ray meets";
+}
+
+TEST_F(HybridTest, RefinedInStepsItIsWhatItsLastPriceMakesOfIt) {
+    HybridCubemap steps(scene_, test::kSmallWorldProbe, kSize, cancel_);
+    for (const double price : {1e-2, 1e-3, 3e-4, 1e-5}) {
+        steps.refine_to(price);
+        const CubemapRender refined = steps.render();
+        const CubemapRender direct = render(settings(price));
+        ASSERT_TRUE(refined.color == direct.color) << price;
+        EXPECT_EQ(refined.total().rays, direct.total().rays);
+        EXPECT_EQ(refined.total().steps, direct.total().steps);
+        EXPECT_EQ(refined.total().box_tests, direct.total().box_tests);
+        EXPECT_EQ(refined.pixels, direct.pixels);
+        double sum = 0.0;
+        std::vector<double> weights(direct.aux.size());
+        for (size_t i = 0; i < weights.size(); ++i) {
+            const CubePixel pixel = pixel_at(i, kSize);
+            if (owner_of(pixel, kSize) != pixel) continue;
+            weights[i] = 1.0;
+            sum += static_cast<double>(direct.aux[i].predicted_error);
+        }
+        EXPECT_NEAR(steps.predicted_sum(weights), sum, 1e-9);
+        EXPECT_LE(steps.largest_gain(), price);
+    }
 }
 
 }  // namespace

@@ -37,6 +37,15 @@ TEST(Api, AJobGoesAllTheWay) {
     EXPECT_EQ(report.json().at("totals").at("cubemaps"), 6);
     EXPECT_EQ(report.json().at("effective_request").at("scene"), "net");
 
+    const Answer html = service.get("/v1/bakes/" + id + "/report?format=html");
+    EXPECT_EQ(html.status, 200);
+    EXPECT_EQ(html.header("Content-Type"), "text/html; charset=utf-8");
+    EXPECT_EQ(html.header("Content-Security-Policy"),
+              "default-src 'none'; style-src 'unsafe-inline'");
+    EXPECT_NE(html.body.find("<svg"), std::string::npos);
+    EXPECT_EQ(service.get("/v1/bakes/" + id + "/report?format=json").body, report.body);
+    EXPECT_EQ(service.get("/v1/bakes/" + id + "/report?format=pdf").status, 400);
+
     const Json page = service.get("/v1/bakes/" + id + "/probes").json();
     EXPECT_EQ(page.at("final"), true);
     EXPECT_FALSE(page.contains("next_page_token"));
@@ -79,7 +88,7 @@ TEST(Api, AJobForSphericalHarmonicsHasNoCube) {
         EXPECT_EQ(sh.json().at("rgb").size(), 9U);
     }
     const Json report = service.get("/v1/bakes/" + id + "/report").json();
-    EXPECT_EQ(report.at("target").at("metric"), "irradiance_rel");
+    EXPECT_EQ(report.at("target").at("targets").at(0).at("metric"), "irradiance_rel");
     EXPECT_EQ(report.at("states")[0].at("results"), (Json{{"target_met", 2}}));
     EXPECT_TRUE(report.at("states")[0].at("error").contains("irradiance_rel_interval"));
 }
@@ -163,7 +172,11 @@ TEST(Api, RowsComeInPages) {
 TEST(Api, ProbesAreThereWhileTheJobRuns) {
     RunningService service;
     const std::string id = service.submit(test::costly_request(3000, 8));
-    service.wait(id, [](const Json& bake) { return bake["progress"]["units_done"] >= 4; });
+    const Json running =
+        service.wait(id, [](const Json& bake) { return bake["progress"]["units_done"] >= 4; });
+    const Json& progress = running.at("progress");
+    EXPECT_LE(progress.at("seconds_left_interval").at(0), progress.at("seconds_left"));
+    EXPECT_GE(progress.at("seconds_left_interval").at(1), progress.at("seconds_left"));
     const Json page = service.get("/v1/bakes/" + id + "/probes?page_size=2").json();
     EXPECT_EQ(page.at("final"), false);
     ASSERT_EQ(page.at("rows").size(), 2U);
@@ -285,6 +298,10 @@ TEST(Api, CheckShowsThePlanAndKeepsNothing) {
     ASSERT_EQ(checked.status, 200) << checked.body;
     EXPECT_EQ(checked.json().at("valid"), true);
     EXPECT_EQ(checked.json().at("plan").at("work_units"), 3);
+    const Json estimate = checked.json().at("estimate");
+    EXPECT_GT(estimate.at("seconds"), 0.0);
+    EXPECT_GT(estimate.at("memory_bytes"), 0);
+    EXPECT_GT(estimate.at("output_bytes"), 0);
     EXPECT_EQ(checked.json().at("effective_request").at("seed"), 5);
     EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 0U);
     Json bad = test::net_request(1);

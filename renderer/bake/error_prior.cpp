@@ -1,0 +1,103 @@
+#include "bake/error_prior.h"
+
+#include <algorithm>
+#include <boost/math/distributions/gamma.hpp>
+#include <cmath>
+
+namespace probebake {
+namespace {
+
+/// What the usual figure of a pixel's spread counts for, in probes, beside a job's own.
+constexpr double kUsualProbes = 8.0;
+/// Standard deviation of the logarithm of the squared spread, over jobs.
+constexpr double kUsualSpreadSpread = 0.8;
+constexpr double kSmallestSpread = 0.1;
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio> audits) {
+    double count = 0.0;
+    double ratio = 0.0;
+    double variance_per_draw = 0.0;
+    double per_draw = 0.0;
+    double noise = 0.0;  // variance of a measured ratio for its audit's sake, mean
+    for (const AuditedRatio& audit : audits) {
+        if (!(audit.predicted > 0.0) || audit.draws < 2) continue;
+        count += 1.0;
+        per_draw += 1.0 / static_cast<double>(audit.draws);
+        ratio += audit.measured / audit.predicted;
+        const double variance = audit.variance / square(audit.predicted);
+        noise += variance;
+        variance_per_draw += variance * static_cast<double>(audit.draws);
+    }
+    if (count < 2.0) return before;
+    ratio /= count;
+    noise /= count;
+    variance_per_draw /= count;
+    if (!(ratio > 0.0)) return before;
+    double scatter = 0.0;
+    for (const AuditedRatio& audit : audits) {
+        if (!(audit.predicted > 0.0) || audit.draws < 2) continue;
+        scatter += square(audit.measured / audit.predicted - ratio) / (count - 1.0);
+    }
+    // A sample of heavy tails shows too little of them rather than too much.
+    const double weight = count / (count + kUsualProbes);
+    const double draw_cv =
+        std::max(before.draw_cv, std::sqrt(weight * variance_per_draw / square(ratio) +
+                                           (1.0 - weight) * square(before.draw_cv)));
+    const double of_audit = std::max(noise / square(ratio), square(draw_cv) * per_draw / count);
+    // What audits as noisy as these tell of how probes differ, beside what is usual: both in
+    // logarithms.
+    const double own = std::max(0.0, scatter - noise) / square(ratio);
+    const double own_error =
+        std::max(scatter / square(ratio), of_audit) * std::sqrt(2.0 / (count - 1.0));
+    double between = square(kUsualSpread);
+    if (own > 0.0) {
+        const double trust =
+            square(kUsualSpreadSpread) / (square(kUsualSpreadSpread) + square(own_error / own));
+        between = std::exp(trust * std::log(own) + (1.0 - trust) * std::log(between));
+    }
+    const double of_ratio = (between + of_audit) / count;
+    return {.ratio = ratio,
+            .spread = std::max(kSmallestSpread, std::sqrt(between + of_ratio)),
+            .draw_cv = draw_cv};
+}
+
+AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& audit) {
+    if (all.draws == 0 || !(all.predicted > 0.0)) return audit;
+    const auto before = static_cast<double>(all.draws);
+    const auto now = static_cast<double>(audit.draws);
+    const double scale = audit.predicted / all.predicted;
+    const double share = now / (before + now);
+    return {
+        .predicted = audit.predicted,
+        .measured = share * audit.measured + (1.0 - share) * scale * all.measured,
+        .variance = square(share) * audit.variance + square((1.0 - share) * scale) * all.variance,
+        .draws = all.draws + audit.draws};
+}
+
+PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence) {
+    const double prior_shape = 2.0 + 1.0 / square(prior.spread);
+    const double own_ratio =
+        audit.predicted > 0.0 ? std::max(0.0, audit.measured) / audit.predicted : 0.0;
+    // What an audit found is there, to the precision that its own draws show; of what it did not
+    // find it knows as little as few draws of a heavy tail do.
+    double own_shape = static_cast<double>(audit.draws) / square(prior.draw_cv);
+    if (own_ratio > prior.ratio && audit.variance > 0.0) {
+        own_shape = std::max(own_shape, square(audit.measured) / audit.variance);
+    }
+    const double shape = prior_shape + own_shape;
+    const double scale = prior.ratio * (prior_shape - 1.0) + own_shape * own_ratio;
+    const auto quantile = [&](double probability) {
+        const boost::math::gamma_distribution<double> gamma(shape);
+        return audit.predicted * scale / boost::math::quantile(gamma, 1.0 - probability);
+    };
+    const double tail = (1.0 - confidence) / 2.0;
+    return {.value = audit.predicted * scale / (shape - 1.0),
+            .interval = {quantile(tail), quantile(1.0 - tail)},
+            .upper = quantile(confidence)};
+}
+
+}  // namespace probebake

@@ -22,7 +22,7 @@ def pattern(path):
     return path.count("{"), re.compile(expression + r"\Z")
 
 
-patterns = sorted((*pattern(path), path) for path in document["paths"])
+patterns = sorted(((*pattern(path), path) for path in document["paths"]), key=lambda entry: entry[0])
 
 
 def resolved(node):

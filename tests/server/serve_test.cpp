@@ -217,7 +217,10 @@ TEST_F(ServeTest, SigtermEndsItCleanlyWithinTheGrace) {
 
 TEST_F(ServeTest, ASecondSignalEndsTheGrace) {
     serve({"--drain-seconds", "60"});
-    submit("long.json");
+    const std::string id = submit("long.json");
+    for (int i = 0; i < 100; ++i) {
+        if (client({"status", id, "--json"}).out.find("RUNNING") != std::string::npos) break;
+    }
     service_->signal(SIGTERM);
     EXPECT_EQ(service_->wait(300ms), std::nullopt) << "a running job has its grace";
     service_->signal(SIGTERM);

@@ -1,4 +1,5 @@
-// Delta tracking (Woodcock et al. 1965) and its weighted form (Galtier et al. 2013), in one channel.
+// Delta tracking (Woodcock et al. 1965) and its weighted form (Galtier et al. 2013), in one
+// channel.
 //
 //   DeltaTracker      t += Exp(b); real with probability μt/b, absorbed or scattered by μa : μs.
 //                     Weight 1. Unbiased where μt ≤ b.

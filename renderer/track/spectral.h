@@ -39,8 +39,8 @@ auto scheme_weight(const T& w, const T& mu) {
 }
 
 template <Scheme S, Termination K, class T>
-EventProbabilities event_probabilities(const T& w, const T& absorb, const T& scatter,
-                                       const T& null, double b) {
+EventProbabilities event_probabilities(const T& w, const T& absorb, const T& scatter, const T& null,
+                                       double b) {
     EventProbabilities p{double{scheme_weight<S>(w, absorb)}, double{scheme_weight<S>(w, scatter)},
                          double{scheme_weight<S>(w, null)}};
     if constexpr (K == Termination::kMerged) {

@@ -56,8 +56,8 @@ struct RatioTracking {
 /// What the control of residual ratio tracking is: for tests, a place between the bounds.
 struct ResidualRatio {
     template <class Traits, class Line, class Random>
-    static Spectrum<Traits::kChannels> transmittance(Line& line, Random& random,
-                                                     TrackCount& count, double between = 0.0) {
+    static Spectrum<Traits::kChannels> transmittance(Line& line, Random& random, TrackCount& count,
+                                                     double between = 0.0) {
         constexpr int N = Traits::kChannels;
         Spectrum<N> result(1.0);
         Segment<N> leaf;

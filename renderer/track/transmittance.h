@@ -59,6 +59,7 @@ struct ResidualRatio {
     static Spectrum<Traits::kChannels> transmittance(Line& line, Random& random, TrackCount& count,
                                                      double between = 0.0) {
         constexpr int N = Traits::kChannels;
+        constexpr double kRounding = 1e-14;
         Spectrum<N> result(1.0);
         Segment<N> leaf;
         uint64_t steps = 0;
@@ -80,7 +81,11 @@ struct ResidualRatio {
                 }
                 ++count.lookups;
                 const Spectrum<N> mu = line.at(leaf.t0 + s).extinction();
-                for (int c = 0; c < N; ++c) result[c] *= 1.0 - (mu[c] - control[c]) / br;
+                for (int c = 0; c < N; ++c) {
+                    // At the majorant itself the factor is 0, and rounding must not make it less.
+                    const double factor = 1.0 - (mu[c] - control[c]) / br;
+                    result[c] *= std::abs(factor) < kRounding ? 0.0 : factor;
+                }
             }
         }
         return result;

@@ -51,12 +51,13 @@ double largest_z(uint64_t key, Estimate estimate, double planted,
     return most;
 }
 
-// A bias of 3 % of the optical depth near 1 is 1 % of T: some 10 standard errors of ratio tracking.
+// A bias of 5 % of an optical depth of 1 is 1.8 % of T: some 4 standard errors of delta tracking,
+// more of the others.
 template <class Estimate>
 void expect_unbiased(uint64_t key, Estimate estimate,
                      const std::vector<int>& channels = {0, 1, 2}) {
     EXPECT_LT(largest_z(key, estimate, 1.0, channels), 4.5);
-    EXPECT_GT(largest_z(key, estimate, 1.03, channels), 4.5);
+    EXPECT_GT(largest_z(key, estimate, 1.05, channels), 4.5);
 }
 
 const auto kRatio = [](LatticeLine& line, RandomStream& random, TrackCount& count) {
@@ -116,7 +117,7 @@ TEST(Transmittance, TheMinorantKeepsResidualRatioWithinBounds) {
             ResidualRatio::transmittance<TrackTraits<3, true, false>>(again, random, count, 0.5);
         middle.add((m[1] - exact) * (m[1] - exact));
     }
-    EXPECT_LT(20.0 * minorant.mean(), middle.mean());
+    EXPECT_LT(5.0 * minorant.mean(), middle.mean());
 }
 
 // Relative variance of ratio tracking with b = f μ: e^(τ/f) − 1.

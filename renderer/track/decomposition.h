@@ -35,6 +35,7 @@ Event real_event(const Coefficients<1>& mu, Random& random) {
 
 struct AnalogDecomposition {
     static constexpr bool kScalar = true;
+    static constexpr bool kDecomposes = true;
     static constexpr const char* kName = "analog_decomposition";
 
     template <class Traits, class Line, class Random, class Collect>
@@ -74,7 +75,8 @@ struct AnalogDecomposition {
             if (control_hit < leaf.length()) {
                 ++count.collisions;
                 ++count.control_collisions;
-                return {detail::real_event<Traits>(leaf.least, random), leaf.t0 + control_hit};
+                return {detail::real_event<Traits>(leaf.least, random), leaf.t0 + control_hit,
+                        true};
             }
         }
         return {};
@@ -88,6 +90,7 @@ struct ControlSetting {
 
 struct WeightedDecomposition {
     static constexpr bool kScalar = true;
+    static constexpr bool kDecomposes = true;
     static constexpr const char* kName = "weighted_decomposition";
 
     template <class Traits, class Line, class Random, class Collect>
@@ -119,7 +122,7 @@ struct WeightedDecomposition {
                 if (random.uniform() * b < mc) {
                     ++count.collisions;
                     ++count.control_collisions;
-                    return {detail::real_event<Traits>(control, random), leaf.t0 + s};
+                    return {detail::real_event<Traits>(control, random), leaf.t0 + s, true};
                 }
                 ++count.lookups;
                 const Coefficients<1> mu = line.at(leaf.t0 + s) - control;

@@ -14,6 +14,7 @@ namespace probebake {
 
 struct DeltaTracker {
     static constexpr bool kScalar = true;
+    static constexpr bool kDecomposes = false;
     static constexpr const char* kName = "delta";
 
     template <class Traits, class Line, class Random, class Collect>
@@ -56,6 +57,7 @@ struct DeltaTracker {
 
 struct WeightedDelta {
     static constexpr bool kScalar = true;
+    static constexpr bool kDecomposes = false;
     static constexpr const char* kName = "weighted_delta";
 
     template <class Traits, class Line, class Random, class Collect>

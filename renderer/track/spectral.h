@@ -84,6 +84,7 @@ Event choose_event(T& w, const T& absorb, const T& scatter, const T& null, doubl
 template <Scheme S, Termination K = Termination::kFull, bool Decompose = false>
 struct SpectralTracker {
     static constexpr bool kScalar = false;
+    static constexpr bool kDecomposes = Decompose;
 
     template <class Traits, class Line, class Random, class Collect>
     static FlightEnd fly(Line& line, Spectrum<Traits::kChannels>& w, Random& random,
@@ -119,7 +120,7 @@ struct SpectralTracker {
                         const Event event =
                             choose_event<S, K>(w, leaf.least.absorption, leaf.least.scattering,
                                                Spectrum<N>(), pc * b, control.max(), random);
-                        return {event, t};
+                        return {event, t, true};
                     }
                 }
                 ++count.lookups;

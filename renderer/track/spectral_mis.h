@@ -54,6 +54,7 @@ void normalise(Spectrum<N>& w, double sum) {
 
 struct SpectralMis {
     static constexpr bool kScalar = false;
+    static constexpr bool kDecomposes = false;
     static constexpr const char* kName = "spectral_mis";
 
     template <class Traits, class Line, class Random, class Collect>
@@ -120,6 +121,7 @@ struct SpectralMis {
 
 struct HomogeneousMis {
     static constexpr bool kScalar = false;
+    static constexpr bool kDecomposes = false;
     static constexpr const char* kName = "closed_form";
 
     template <class Traits, class Line, class Random, class Collect>

@@ -31,7 +31,8 @@ enum class Event : uint8_t { kEscape, kScatter, kAbsorb };
 
 struct FlightEnd {
     Event event = Event::kEscape;
-    double t = 0.0;  // of the collision, along the line
+    double t = 0.0;        // of the collision, along the line
+    bool control = false;  // in the control component, without a look-up
 };
 
 struct TrackCount {

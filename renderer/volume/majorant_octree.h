@@ -78,6 +78,8 @@ class MajorantOctree {
 /// integer coordinates: nothing is advanced by an epsilon, every step goes on to another leaf.
 class OctreeWalk {
   public:
+    /// No leaves.
+    OctreeWalk() = default;
     /// `ray` in units of the finest leaves, any length of direction (t keeps its meaning).
     OctreeWalk(const MajorantOctree& tree, const Ray& ray, const TRange& range);
 
@@ -85,10 +87,10 @@ class OctreeWalk {
     bool next(DensitySegment& segment);
 
   private:
-    const MajorantOctree* tree_;
-    Vec3 origin_;
-    Vec3 direction_;
-    Vec3 inverse_;
+    const MajorantOctree* tree_ = nullptr;
+    Vec3 origin_{0.0};
+    Vec3 direction_{1.0};
+    Vec3 inverse_{1.0};
     double t_ = 0.0;
     double end_ = 0.0;
     IVec3 cell_{0};

@@ -135,7 +135,8 @@ TrackerChoice choose_tracker(const MediaFacts& facts, const ChoiceParams& params
     TrackerChoice choice;
     choice.tracker = rule.tracker;
     choice.reason = rule.reason;
-    choice.gray = facts.gray_extinction && rule.tracker <= TrackerKind::kWeightedDecomposition;
+    choice.gray = facts.gray_extinction && rule.tracker >= TrackerKind::kDelta &&
+                  rule.tracker <= TrackerKind::kWeightedDecomposition;
     choice.absorbs = facts.absorbs;
     choice.emits = facts.emits;
     choice.transmittance =

@@ -43,10 +43,11 @@ bool DensityCursor::next(DensitySegment& segment) {
 bool DensityCursor::next_fog(DensitySegment& segment) {
     const double dy = direction_.y;
     const double to_base = -origin_.y / dy;  // infinite or NaN along the horizon
-    const bool below = origin_.y + dy * t_ < 0.0 || (dy < 0.0 && !(to_base > t_));
+    // By the border's own t, never by a position: at the border itself rounding would decide.
+    const bool below = dy > 0.0 ? to_base > t_ : dy < 0.0 ? !(to_base > t_) : origin_.y < 0.0;
     double to = end_;
     if (below) {
-        if (dy > 0.0 && to_base > t_) to = std::min(to, to_base);
+        if (dy > 0.0) to = std::min(to, to_base);
     } else {
         to = std::min(to, t_ + std::numbers::ln2 / std::abs(dy));
         if (dy < 0.0) to = std::min(to, to_base);

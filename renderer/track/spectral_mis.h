@@ -11,7 +11,8 @@
 // densities together cover. Densities are carried relative to the channel with the smallest b:
 // every factor is at most 1, one of them is 1, and they are normalised at every step.
 //
-// HomogeneousMis: the same where bounds are equal in every leaf: no look-ups, no null collisions.
+// HomogeneousMis: the same where bounds are equal in every leaf: no look-ups, no null collisions,
+// and absorption weighs the path instead of ending it.
 #pragma once
 
 #include "track/track.h"
@@ -151,12 +152,12 @@ struct HomogeneousMis {
                 const double density = (w * b).sum();
                 if (density > 0.0) collect(leaf.t0 + s, w * (total / density));
             }
-            double absorbed = 0.0;
-            if constexpr (Traits::kAbsorbs) absorbed = leaf.most.absorption[hero] / b[hero];
-            const bool scatters = random.uniform() >= absorbed;
-            w *= scatters ? leaf.most.scattering : leaf.most.absorption;
+            w *= b;
             detail::normalise(w, total);
-            return {scatters ? Event::kScatter : Event::kAbsorb, leaf.t0 + s};
+            for (int c = 0; c < N; ++c) {
+                if (b[c] > 0.0) w[c] *= leaf.most.scattering[c] / b[c];
+            }
+            return {Event::kScatter, leaf.t0 + s, true};
         }
         return {};
     }

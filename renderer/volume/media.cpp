@@ -81,8 +81,8 @@ double fog_column(const FogShape& fog, const Ray& ray, const TRange& range) {
     const auto piece = [&](double begin, double end) {
         if (!(begin < end)) return 0.0;
         const double y0 = ray.origin.y + dy * begin - fog.base_m;
-        const double y1 = ray.origin.y + dy * end - fog.base_m;
-        if (std::max(y0, y1) <= 0.0) return end - begin;
+        // Above or below by the middle: at the base itself rounding would decide.
+        if (ray.origin.y + dy * 0.5 * (begin + end) <= fog.base_m) return end - begin;
         const double x = -dy / height * (end - begin);
         const double mean = std::abs(x) < 1e-12 ? 1.0 : std::expm1(x) / x;
         return std::exp(-std::max(0.0, y0) / height) * mean * (end - begin);

@@ -21,5 +21,6 @@ void add_scene_command(CLI::App& app, CommandWork& work);
 void add_serve_command(CLI::App& app, CommandWork& work);
 void add_study_command(CLI::App& app, CommandWork& work);
 void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
+void add_volumes_command(CLI::App& study_app, CommandWork& work);  // below study
 
 }  // namespace probebake

@@ -190,8 +190,7 @@ void expect_known(const std::string& file, uint64_t voxels, uint64_t tiles, doub
     double total = 0.0;
     for (auto it = theirs->cbeginValueOn(); it; ++it) {
         const openvdb::Coord c = it.getCoord();
-        const auto voxels = static_cast<double>(it.getVoxelCount());
-        total += voxels * ours.grid.sample({c.x(), c.y(), c.z()});
+        total += static_cast<double>(it.getVoxelCount()) * ours.grid.sample({c.x(), c.y(), c.z()});
     }
     EXPECT_NEAR(total, sum, 1e-3);
     const openvdb::Coord dim = theirs->evalActiveVoxelDim();

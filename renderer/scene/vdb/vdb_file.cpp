@@ -1,9 +1,10 @@
 // The only file that includes OpenVDB.
 #include "scene/vdb/vdb_file.h"
 
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include <cmath>
+#include <fstream>
 #include <unordered_set>
 
 namespace probebake {
@@ -11,50 +12,19 @@ namespace {
 
 std::string name_of(const std::filesystem::path& path) { return path.filename().string(); }
 
-class OpenFile {
-  public:
-    explicit OpenFile(const std::filesystem::path& path)
-        : name_(name_of(path)), file_(path.string()) {
-        openvdb::initialize();
-        if (!std::filesystem::is_regular_file(path)) throw IoError(name_, "no such file");
-        guarded([&] { file_.open(/*delayLoad=*/false); });
+/// All grids of a file. Read as a stream that throws: the library's own File takes what lies behind
+/// the end of a truncated file for values.
+openvdb::GridPtrVec read_all(const std::filesystem::path& path) {
+    if (!std::filesystem::is_regular_file(path)) throw IoError(name_of(path), "no such file");
+    openvdb::initialize();
+    try {
+        std::ifstream in(path, std::ios::binary);
+        in.exceptions(std::ios::failbit | std::ios::badbit);
+        return *openvdb::io::Stream(in, /*delayLoad=*/false).getGrids();
+    } catch (const std::exception& error) {
+        throw IoError(name_of(path), std::string("no readable OpenVDB file: ") + error.what());
     }
-
-    std::vector<std::string> names() const {
-        std::vector<std::string> names;
-        for (auto it = file_.beginName(); it != file_.endName(); ++it) {
-            names.push_back(it.gridName());
-        }
-        return names;
-    }
-
-    openvdb::GridBase::Ptr read(const std::string& grid_name) {
-        if (!file_.hasGrid(grid_name)) {
-            std::string list;
-            for (const std::string& name : names())
-                list += (list.empty() ? "'" : ", '") + name + "'";
-            throw IoError(name_, "no grid '" + grid_name + "'; the file holds " +
-                                     (list.empty() ? "none" : list));
-        }
-        openvdb::GridBase::Ptr grid;
-        guarded([&] { grid = file_.readGrid(grid_name); });
-        return grid;
-    }
-
-  private:
-    /// OpenVDB's own errors end as IoError.
-    template <class Action>
-    void guarded(Action action) {
-        try {
-            action();
-        } catch (const std::exception& error) {
-            throw IoError(name_, std::string("no readable OpenVDB file: ") + error.what());
-        }
-    }
-
-    std::string name_;
-    openvdb::io::File file_;
-};
+}
 
 IVec3 to_ivec3(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
@@ -186,8 +156,16 @@ VdbGrid convert(const Grid& grid) {
 bool reads_vdb() { return true; }
 
 VdbGrid read_vdb_grid(const std::filesystem::path& path, const std::string& grid_name) {
-    OpenFile file(path);
-    const openvdb::GridBase::Ptr base = file.read(grid_name);
+    openvdb::GridBase::Ptr base;
+    std::string list;
+    for (const openvdb::GridBase::Ptr& grid : read_all(path)) {
+        if (!base && grid->getName() == grid_name) base = grid;
+        list += (list.empty() ? "'" : ", '") + grid->getName() + "'";
+    }
+    if (!base) {
+        throw IoError(name_of(path), "no grid '" + grid_name + "'; the file holds " +
+                                         (list.empty() ? "none" : list));
+    }
     const std::string what = "grid '" + grid_name + "': ";
     try {
         if (const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base)) {
@@ -204,7 +182,9 @@ VdbGrid read_vdb_grid(const std::filesystem::path& path, const std::string& grid
 }
 
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
-    return OpenFile(path).names();
+    std::vector<std::string> names;
+    for (const openvdb::GridBase::Ptr& grid : read_all(path)) names.push_back(grid->getName());
+    return names;
 }
 
 }  // namespace probebake

@@ -1,0 +1,55 @@
+#include "volume_study/volume_study.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "io/file.h"
+#include "volume_study/depth_tables.h"
+#include "volume_study/tracker_tables.h"
+
+namespace probebake::volume_study {
+
+const std::vector<std::string>& experiment_names() {
+    static const std::vector<std::string> names = {"depth", "efficiency", "control", "figure_4"};
+    return names;
+}
+
+std::vector<study::TextTable> run_volume_study(
+    const VolumeStudyParams& params, const std::function<void(const std::string&)>& on_progress) {
+    for (const std::string& name : params.experiments) {
+        const auto& known = experiment_names();
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            throw std::invalid_argument("no experiment '" + name + "'");
+        }
+    }
+    const auto wanted = [&](const char* name) {
+        return params.experiments.empty() ||
+               std::find(params.experiments.begin(), params.experiments.end(), name) !=
+                   params.experiments.end();
+    };
+    on_progress("clouds");
+    const std::vector<Cloud> clouds = load_clouds(params);
+    if (clouds.empty()) throw std::invalid_argument("no cloud to study");
+    std::vector<study::TextTable> tables;
+    if (wanted("depth")) tables = depth_tables(clouds, params.paths, on_progress);
+    if (wanted("efficiency")) {
+        for (auto& table : efficiency_tables(clouds.front(), params.samples, on_progress)) {
+            tables.push_back(std::move(table));
+        }
+    }
+    if (wanted("control")) tables.push_back(control_table(clouds.front(), params.samples));
+    if (wanted("figure_4")) tables.push_back(first_flight_table(clouds.front(), params.samples));
+
+    std::string report = "# Media: trackers and octrees\n\n";
+    const auto write = [&](const std::string& name, const std::string& text) {
+        write_file_atomically(params.out / name, text);
+    };
+    for (const study::TextTable& table : tables) {
+        report += table.markdown();
+        write(table.name + ".csv", table.csv());
+    }
+    write("report.md", report);
+    return tables;
+}
+
+}  // namespace probebake::volume_study

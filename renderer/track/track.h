@@ -57,7 +57,7 @@ struct TrackCount {
 
 /// Collisions in one flight beyond which something is wrong with its medium; it ends with weight 0
 /// and is counted as a fault.
-inline constexpr uint64_t kMaxSteps = 50'000'000;
+inline constexpr uint64_t kMaxSteps = 10'000'000;
 
 /// An exponential distance; finite for all b > 0 because uniform() never is 1.
 template <class Random>

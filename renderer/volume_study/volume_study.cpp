@@ -27,6 +27,8 @@ std::vector<study::TextTable> run_volume_study(
                std::find(params.experiments.begin(), params.experiments.end(), name) !=
                    params.experiments.end();
     };
+    std::error_code ignored;  // the first file that cannot be written says what is wrong
+    std::filesystem::create_directories(params.out, ignored);
     on_progress("clouds");
     const std::vector<Cloud> clouds = load_clouds(params);
     if (clouds.empty()) throw std::invalid_argument("no cloud to study");

@@ -4,8 +4,7 @@
 
 namespace probebake {
 
-DensityCursor::DensityCursor(const Medium& medium, const Ray& ray_m, const TRange& range)
-    : medium_(&medium) {
+DensityCursor::DensityCursor(const Medium& medium, const Ray& ray_m, const TRange& range) {
     if (const auto* grid = std::get_if<GridShape>(&medium.spec.shape)) {
         kind_ = Kind::kGrid;
         grid_ = grid->density.get();

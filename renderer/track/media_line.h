@@ -32,7 +32,6 @@ class DensityCursor {
     bool next_fog(DensitySegment& segment);
 
     Kind kind_ = Kind::kHomogeneous;
-    const Medium* medium_ = nullptr;
     const DensityGrid* grid_ = nullptr;
     const DensityGrid* emission_ = nullptr;
     OctreeWalk walk_;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "track/track.h"
 #include "volume/media.h"
@@ -19,7 +20,6 @@ namespace probebake {
 /// The pieces of one medium along a ray, in density.
 class DensityCursor {
   public:
-    DensityCursor() = default;
     DensityCursor(const Medium& medium, const Ray& ray_m, const TRange& range);
 
     bool next(DensitySegment& segment);
@@ -53,14 +53,14 @@ class MediaLine {
     MediaLine(const Media& media, const Ray& ray_m, const TRange& range)
         : media_(media.all()), count_(media_.size()), t_(range.begin), end_(range.end) {
         for (size_t k = 0; k < count_; ++k) {
-            cursors_[k] = DensityCursor(media_[k], ray_m, range);
-            if (count_ > 1) there_[k] = cursors_[k].next(pieces_[k]);
+            cursors_[k].emplace(media_[k], ray_m, range);
+            if (count_ > 1) there_[k] = cursors_[k]->next(pieces_[k]);
         }
     }
 
     bool next(Segment<N>& segment) {
         if (count_ == 1) {
-            if (!cursors_[0].next(pieces_[0])) return false;
+            if (!cursors_[0]->next(pieces_[0])) return false;
             segment.t0 = pieces_[0].t0;
             segment.t1 = pieces_[0].t1;
             segment.least = unit(0) * pieces_[0].least;
@@ -78,7 +78,7 @@ class MediaLine {
                 continue;
             }
             const DensitySegment& piece = pieces_[k];
-            const double exact = cursors_[k].density(t);
+            const double exact = cursors_[k]->density(t);
             const double d = std::clamp(exact, piece.least, piece.most);
             // Leaves end at rounded t: a look-up may lie a rounding error beside its leaf.
             if (std::abs(exact - d) > 1e-6 * (1.0 + piece.most)) ++unbounded_;
@@ -94,7 +94,7 @@ class MediaLine {
         for (size_t k = 0; k < count_; ++k) {
             if (!(densities_[k] > 0.0)) continue;
             sum += media_[k].unit.absorption * media_[k].source *
-                   (densities_[k] * cursors_[k].emission_scale(t));
+                   (densities_[k] * cursors_[k]->emission_scale(t));
         }
         return sum;
     }
@@ -129,7 +129,7 @@ class MediaLine {
         double to = end_;
         bool any = false;
         for (size_t k = 0; k < count_; ++k) {
-            while (there_[k] && !(pieces_[k].t1 > t_)) there_[k] = cursors_[k].next(pieces_[k]);
+            while (there_[k] && !(pieces_[k].t1 > t_)) there_[k] = cursors_[k]->next(pieces_[k]);
             if (!there_[k]) continue;
             any = true;
             to = std::min(to, pieces_[k].t0 > t_ ? pieces_[k].t0 : pieces_[k].t1);
@@ -150,8 +150,9 @@ class MediaLine {
 
     const std::vector<Medium>& media_;
     size_t count_;
-    std::array<DensityCursor, kMaxMedia> cursors_;
-    std::array<DensitySegment, kMaxMedia> pieces_{};
+    // Only those of the media that are there are made: a line is made for every flight.
+    std::array<std::optional<DensityCursor>, kMaxMedia> cursors_;
+    std::array<DensitySegment, kMaxMedia> pieces_;
     std::array<bool, kMaxMedia> there_{};  // whether the piece is one
     Densities densities_{};                // of the last look-up
     double t_;

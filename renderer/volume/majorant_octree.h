@@ -28,10 +28,10 @@ inline constexpr int kMaxMajorantDepth = 16;
 
 /// Where a ray meets what, in the octree's units: its finest leaves have edge 1.
 struct DensitySegment {
-    double t0 = 0.0;
-    double t1 = 0.0;
-    double least = 0.0;
-    double most = 0.0;
+    double t0;
+    double t1;
+    double least;
+    double most;
 };
 
 class MajorantOctree {

@@ -80,8 +80,7 @@ void DensityGrid::check_extent(const BuildParams& params) {
     for (int axis = 0; axis < 3; ++axis) {
         const int cells = params.cells[axis];
         if (cells < 1 || cells > kMaxCells) {
-            throw std::length_error(std::to_string(cells) +
-                                    " cells along an axis; expected 1 to " +
+            throw std::length_error(std::to_string(cells) + " cells along an axis; expected 1 to " +
                                     std::to_string(kMaxCells));
         }
         count *= static_cast<uint64_t>((cells + kBrick - 1) / kBrick);

@@ -125,7 +125,8 @@ inline std::vector<LatticeMedium> seventeen_media() {
     const auto constant = [](double v) { return [v](double) { return v; }; };
     const auto noise = [](uint64_t seed, double mean) {
         return [=](double x) {
-            RandomStream random(random_key({seed, static_cast<uint64_t>(x * kLattice + 0.5)}));
+            RandomStream random(
+                random_key({seed, static_cast<uint64_t>(std::llround(x * kLattice))}));
             return 2.0 * mean * random.uniform();
         };
     };
@@ -162,6 +163,7 @@ inline std::vector<LatticeMedium> seventeen_media() {
          [](double x) { return std::abs(x - 0.5) < 0.01 ? 60.0 : 0.01; }, mild, mild},
     };
     std::vector<LatticeMedium> media;
+    media.reserve(recipes.size());
     for (const LatticeRecipe& recipe : recipes) media.push_back(make_medium(recipe));
     return media;
 }

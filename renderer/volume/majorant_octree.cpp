@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <stdexcept>
@@ -157,11 +158,19 @@ MajorantOctree::MajorantOctree(const DensityGrid& grid, const MajorantParams& pa
     for (int level = 0; !level_nodes.empty(); ++level) {
         depth_reached_ = level + 1;
         const double edge = std::ldexp(1.0, root_log2 - level);
+        const auto wants_split = [&](const Node& node) {
+            const double residual = double{node.most} - double{node.least};
+            return residual * edge * params.scale > params.threshold;
+        };
+        const auto wishes = static_cast<uint64_t>(
+            std::count_if(level_nodes.begin(), level_nodes.end(),
+                          [&](const Place& place) { return wants_split(nodes_[place.node]); }));
+        const bool goes_on = level < levels_ && nodes_.size() + 8 * wishes <= params.most_nodes;
         std::vector<Place> split;
         for (const Place& place : level_nodes) {
             const Node& node = nodes_[place.node];
             const double residual = double{node.most} - double{node.least};
-            if (level < levels_ && residual * edge * params.scale > params.threshold) {
+            if (goes_on && wants_split(node)) {
                 split.push_back(place);
             } else {
                 const double volume = edge * edge * edge;

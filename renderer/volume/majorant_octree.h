@@ -23,6 +23,9 @@ struct MajorantParams {
     double threshold = 0.5;
     /// Optical thickness per unit of density and per cell: largest extinction × metres per cell.
     double scale = 1.0;
+    /// No level is begun that would make more nodes than this (12 bytes each): thick media ask for
+    /// leaves far below the cells, without end.
+    uint64_t most_nodes = uint64_t{1} << 24;
 };
 inline constexpr int kMaxMajorantDepth = 16;
 

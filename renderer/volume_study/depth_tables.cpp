@@ -107,7 +107,7 @@ std::string millions(uint64_t x) { return decimals(static_cast<double>(x) * 1e-6
 
 double ratio(uint64_t a, uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); }
 
-study::TextTable depth_table(const Cloud& cloud, bool thick, int paths) {
+study::TextTable depth_table(const Cloud& cloud, bool thick, int paths, uint64_t most_nodes) {
     study::TextTable table;
     table.name = cloud.name + (thick ? "_thick" : "_thin") + "_depth";
     table.title = cloud.name + (thick ? ", thick (column 500)" : ", thin (column 3)") + ", " +
@@ -134,8 +134,9 @@ study::TextTable depth_table(const Cloud& cloud, bool thick, int paths) {
     const Published& published = thick ? kThick : kThin;
     TrackCount first;
     for (size_t i = 0; i < kDepths.size(); ++i) {
-        const Media media({cloud_medium(cloud, thick ? 500.0 : 3.0, Rgb(0.0f), Rgb(1.0f), 0.85)},
-                          {.max_depth = kDepths[i], .threshold = thick ? 0.5 : 0.05});
+        const Media media(
+            {cloud_medium(cloud, thick ? 500.0 : 3.0, Rgb(0.0f), Rgb(1.0f), 0.85)},
+            {.max_depth = kDepths[i], .threshold = thick ? 0.5 : 0.05, .most_nodes = most_nodes});
         const Run delta = run_paths<DeltaTracker>(media, cloud, paths);
         const Run parts = run_paths<AnalogDecomposition>(media, cloud, paths);
         if (i == 0) first = delta.count;
@@ -165,13 +166,15 @@ study::TextTable depth_table(const Cloud& cloud, bool thick, int paths) {
 }  // namespace
 
 std::vector<study::TextTable> depth_tables(
-    const std::vector<Cloud>& clouds, int paths,
+    const std::vector<Cloud>& clouds, const VolumeStudyParams& params,
     const std::function<void(const std::string&)>& progress) {
     std::vector<study::TextTable> tables;
     for (const Cloud& cloud : clouds) {
         for (const bool thick : {false, true}) {
             progress("depth: " + cloud.name + (thick ? ", thick" : ", thin"));
-            tables.push_back(depth_table(cloud, thick, thick ? std::max(1, paths / 8) : paths));
+            tables.push_back(depth_table(cloud, thick,
+                                         thick ? std::max(1, params.paths / 8) : params.paths,
+                                         params.most_nodes));
         }
     }
     return tables;

@@ -6,7 +6,8 @@
 namespace probebake::volume_study {
 
 /// One table per cloud and thickness.
-std::vector<study::TextTable> depth_tables(const std::vector<Cloud>& clouds, int paths,
+std::vector<study::TextTable> depth_tables(const std::vector<Cloud>& clouds,
+                                           const VolumeStudyParams& params,
                                            const std::function<void(const std::string&)>& progress);
 
 }  // namespace probebake::volume_study

@@ -5,12 +5,14 @@
 
 #include "io/file.h"
 #include "volume_study/depth_tables.h"
+#include "volume_study/probes.h"
 #include "volume_study/tracker_tables.h"
 
 namespace probebake::volume_study {
 
 const std::vector<std::string>& experiment_names() {
-    static const std::vector<std::string> names = {"depth", "efficiency", "control", "figure_4"};
+    static const std::vector<std::string> names = {"depth", "efficiency", "control", "figure_4",
+                                                   "probes"};
     return names;
 }
 
@@ -33,7 +35,7 @@ std::vector<study::TextTable> run_volume_study(
     const std::vector<Cloud> clouds = load_clouds(params);
     if (clouds.empty()) throw std::invalid_argument("no cloud to study");
     std::vector<study::TextTable> tables;
-    if (wanted("depth")) tables = depth_tables(clouds, params.paths, on_progress);
+    if (wanted("depth")) tables = depth_tables(clouds, params, on_progress);
     if (wanted("efficiency")) {
         for (auto& table : efficiency_tables(clouds.front(), params.samples, on_progress)) {
             tables.push_back(std::move(table));
@@ -41,6 +43,7 @@ std::vector<study::TextTable> run_volume_study(
     }
     if (wanted("control")) tables.push_back(control_table(clouds.front(), params.samples));
     if (wanted("figure_4")) tables.push_back(first_flight_table(clouds.front(), params.samples));
+    if (wanted("probes")) tables.push_back(probe_table(clouds.front(), params.out, on_progress));
 
     std::string report = "# Media: trackers and octrees\n\n";
     const auto write = [&](const std::string& name, const std::string& text) {

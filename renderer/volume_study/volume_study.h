@@ -20,8 +20,9 @@ struct VolumeStudyParams {
     std::filesystem::path out;
     std::optional<std::filesystem::path> cloud;  // .vdb with a grid "density"
     int cumulus_size = 1024;                     // 0: none
-    int paths = 2000;     // per row of the depth tables, thin; an eighth of it thick
-    int samples = 20000;  // per row of the others
+    int paths = 2000;                  // per row of the depth tables, thin; an eighth of it thick
+    int samples = 20000;               // per row of the others
+    uint64_t most_nodes = 40'000'000;  // of an octree
     std::vector<std::string> experiments;  // of experiment_names(); empty: all
 };
 

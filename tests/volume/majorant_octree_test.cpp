@@ -87,6 +87,15 @@ TEST(MajorantOctree, SplitsWhereTheResidualIsThick) {
     EXPECT_EQ(MajorantOctree(grid, {.max_depth = 12, .threshold = 1e9}).leaf_count(), 1u);
 }
 
+TEST(MajorantOctree, MemoryIsBounded) {
+    const DensityGrid grid = test::noise_grid({0, 0, 0}, {20, 20, 20}, 11);
+    const MajorantOctree tree(
+        grid, {.max_depth = 16, .threshold = 1e-6, .scale = 1.0, .most_nodes = 50000});
+    EXPECT_LE(tree.nodes().size(), 50000u);
+    EXPECT_GT(tree.nodes().size(), 5000u);
+    EXPECT_LT(tree.depth_reached(), 16);
+}
+
 TEST(MajorantOctree, IsTheSameForAnyNumberOfThreads) {
     const DensityGrid grid = test::noise_grid({0, 0, 0}, {60, 50, 40}, 5);
     const MajorantParams params{.max_depth = 7, .threshold = 0.1};

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "commands/commands.h"
-#include "commands/terminal.h"
+#include "commands/local_job.h"
 #include "engine/render_pool.h"
 #include "volume_study/volume_study.h"
 

@@ -162,7 +162,6 @@ TEST(Stability, TenThousandOpticalThicknessesTowardsTheSun) {
 
 /// One leaf without an end whose majorant is never met.
 struct Endless {
-    static constexpr int kChannels = 1;
     int pieces = 1;
     bool next(Segment<1>& s) {
         s = {0.0, 1e30, {}, {Spectrum<1>(0.0), Spectrum<1>(1.0)}};

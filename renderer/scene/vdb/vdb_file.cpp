@@ -60,7 +60,8 @@ class Converter {
         // The field reaches one cell beyond the outermost voxels.
         const openvdb::Coord low = box.min().offsetBy(-1);
         for (int axis = 0; axis < 3; ++axis) {
-            const int64_t cells = int64_t{box.max()[axis]} - low[axis] + 1;
+            const auto a = static_cast<size_t>(axis);
+            const int64_t cells = int64_t{box.max()[a]} - low[a] + 1;
             if (cells > DensityGrid::kMaxCells) {
                 throw std::length_error("extent of " + std::to_string(cells) +
                                         " voxels; expected at most " +

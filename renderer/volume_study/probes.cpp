@@ -15,10 +15,10 @@ using study::decimals;
 
 constexpr int kFaceSize = 64;
 constexpr double kTargetRmse = 0.1;
-constexpr double kCloudEdge = 320.0;        // m, of the cloud's longest side
-constexpr double kCloudBase = 190.0;        // m above the world's lowest corner
-constexpr double kColumn = 40.0;            // optical thicknesses
-constexpr uint64_t kMostPaths = 2'000'000;  // of a render
+constexpr double kCloudEdge = 320.0;      // m, of the cloud's longest side
+constexpr double kCloudBase = 190.0;      // m above the world's lowest corner
+constexpr double kColumn = 40.0;          // optical thicknesses
+constexpr uint64_t kMostPaths = 500'000;  // of a render
 
 double rmse(const Cubemap& a, const Cubemap& b) {
     const auto pa = a.image().pixels();

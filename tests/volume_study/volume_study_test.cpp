@@ -22,7 +22,12 @@ double number(const study::TextTable& table, size_t row, const std::string& colu
 TEST(VolumeStudy, TablesHaveTheShapeOfThePublishedOnes) {
     const auto out = std::filesystem::temp_directory_path() /
                      ("probebake-volume-study-" + std::to_string(::getpid()));
-    const VolumeStudyParams params{.out = out, .cumulus_size = 96, .paths = 200, .samples = 600};
+    const VolumeStudyParams params{.out = out,
+                                   .cumulus_size = 96,
+                                   .paths = 200,
+                                   .samples = 600,
+                                   .most_nodes = 300'000,
+                                   .experiments = {"depth", "efficiency", "control", "figure_4"}};
     const auto tables = run_volume_study(params, [](const std::string&) {});
     ASSERT_EQ(tables.size(), 9u);
     for (const study::TextTable& table : tables) {

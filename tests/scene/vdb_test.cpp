@@ -68,7 +68,8 @@ void expect_same_samples(const openvdb::FloatGrid& theirs, const VdbGrid& ours, 
     for (int i = 0; i < 20000; ++i) {
         openvdb::Vec3d index;
         for (int a = 0; a < 3; ++a) {
-            index[a] = box.min()[a] + random.uniform() * (box.max()[a] - box.min()[a]);
+            const auto k = static_cast<size_t>(a);
+            index[a] = box.min()[k] + random.uniform() * (box.max()[k] - box.min()[k]);
             if (i % 4 == 0) index[a] = std::floor(index[a]);  // at voxels
         }
         const openvdb::Vec3d world = theirs.indexToWorld(index);

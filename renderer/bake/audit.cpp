@@ -30,15 +30,24 @@ double contrast(const Cubemap& cube, const CubePixel& p) {
     return largest * largest;
 }
 
+/// Predicted squared error of a stored pixel.
+double predicted(const AuditSpec& spec, size_t i, const CubePixel& pixel) {
+    const PixelAux& aux = spec.aux[i];
+    return aux.predicted_error > 0.0f ? aux.predicted_error
+                                      : contrast(spec.as_written, pixel) / aux.samples;
+}
+
 /// Probability of every stored pixel to be drawn.
 std::vector<double> draw_probabilities(const AuditSpec& spec) {
     const int n = spec.as_written.face_size();
+    const Weighting weighting = spec.drawn_for_sh ? Weighting::kSolidAngle : spec.weighting;
     std::vector<double> probability(spec.aux.size());
     double sum = 0.0;
     for (size_t i = 0; i < probability.size(); ++i) {
         const CubePixel pixel = pixel_at(i, n);
-        probability[i] = pixel_weight(spec.weighting, pixel, n) * contrast(spec.as_written, pixel) /
-                         spec.aux[i].samples;
+        const double error = predicted(spec, i, pixel);
+        probability[i] =
+            pixel_weight(weighting, pixel, n) * (spec.drawn_for_sh ? std::sqrt(error) : error);
         sum += probability[i];
     }
     const double uniform = 1.0 / static_cast<double>(probability.size());
@@ -102,19 +111,26 @@ class AuditRun {
                 std::min(static_cast<size_t>(at - cumulative.begin()), cumulative.size() - 1));
         }
         std::vector<double> errors(drawn.size());
+        std::vector<ShDraw> differences(spec_.sh ? drawn.size() : 0);
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
-            const double error =
-                squared_error(spec_.as_written.at(pixel),
-                              truth_of(pixel, i, spec_.truth_grid, stats), spec_.exposure);
+            const Rgb& value = spec_.as_written.at(pixel);
+            const TruthPair truth = truth_of(pixel, i, spec_.truth_grid, stats);
+            const double error = squared_error(value, truth, spec_.exposure);
             const double inverse =
                 1.0 / (static_cast<double>(probability.size()) * probability[drawn[i]]);
             errors[i] = pixel_weight(spec_.weighting, pixel, n_) * error * inverse;
+            if (!spec_.sh) return;
+            const Vec3 mean = (Vec3(truth.r1) + Vec3(truth.r2)) / 2.0;
+            differences[i] = {pixel, (Vec3(value) - mean) / probability[drawn[i]]};
         });
         Moments moments;
         for (const double error : errors) moments.add(error);
         audit_.error.mse = Estimate::of_mean(moments);
         audit_.pixels = drawn.size();
+        if (!spec_.sh) return;
+        audit_.sh = audit_sh(differences, n_);
+        audit_.error.irradiance = relative_irradiance(*audit_.sh, project_sh(spec_.as_written));
     }
 
     void audit_windows() {

@@ -1,17 +1,21 @@
 // The audit: how wrong a rendered cubemap is, measured on fresh pixels.
 //
 // Stored pixels are drawn with replacement with probabilities p: half uniform, half in proportion
-// to a predicted squared error (contrast with the neighbours, divided by the rays kept). Each is
+// to a predicted squared error (the hybrid renderer's own; of others contrast with the neighbours,
+// divided by the rays kept). Each is
 // compared, as the written file holds it, with two independent means of stratified leaf rays;
 // e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
 // (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The uniform half
 // keeps 1/(N p) ≤ 2, wherever the prediction is wrong. SSIM is audited on whole windows, drawn
 // uniformly, and only where it is the target.
+// The same draws tell how wrong the spherical harmonics are (sh_audit.h).
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "bake/quality.h"
+#include "bake/sh_audit.h"
 #include "image/cubemap.h"
 #include "render/render.h"
 
@@ -21,6 +25,7 @@ struct Audit {
     MeasuredError error;
     uint64_t pixels = 0;
     uint64_t windows = 0;
+    std::optional<ShAudit> sh;
     CostStats cost;
 };
 
@@ -35,7 +40,11 @@ struct AuditSpec {
     int truth_grid = kTruthGrids.front();
     Weighting weighting = Weighting::kUniform;
     int pixels = 0;
-    int windows = 0;   // of SSIM
+    int windows = 0;  // of SSIM
+    bool sh = false;  // whether the spherical harmonics are audited, too
+    /// Draws pixels for them, by solid angle and predicted error instead of its square: best for a
+    /// sum in which errors of different pixels cancel.
+    bool drawn_for_sh = false;
     uint64_t key = 0;  // of its random streams: a fresh one for every look
 };
 

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "bake/probe_view.h"
+#include "bake/sh_file.h"
 #include "image/exr.h"
+#include "image/layouts.h"
 #include "image/ssim.h"
 #include "io/sha256.h"
 
@@ -17,6 +19,9 @@ constexpr int kMinAuditPixels = 64;
 /// Of a render's rays, what an audit of it may cast.
 constexpr double kDecisionShare = 0.02;
 constexpr double kCertificateShare = 0.08;
+/// Irradiance can only be decided on by a look that sees nearly as sharply as the certificate.
+constexpr double kIrradianceDecisionShare = 0.04;
+constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kMinAuditWindows = 16;
 constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
 
@@ -61,7 +66,7 @@ class Unit {
             if (params_.out_of_time || !may_look_again(next)) return;
             const Audit look = audit(static_cast<uint64_t>(result_.looks));
             result_.decision_cost += look.cost;
-            if (estimate_meets(job_.quality.target, look.error)) return;
+            if (bound_meets(job_.quality.target, look.error, kLookConfidence)) return;
             next = next_finer(next, look.error);
             result_.earlier_renders += render_.total();
             render_mse_ = pilot_.finer[next].mse;
@@ -71,15 +76,27 @@ class Unit {
     }
 
     bool may_look_again(size_t next) const {
-        return job_.quality.evidence.audit && pilot_.expectation == Expectation::kTargetMet &&
+        return job_.quality.evidence.audit && !render_.limited &&
+               pilot_.expectation == Expectation::kTargetMet &&
                job_.quality.target.metric != QualityTarget::Metric::kRays &&
                result_.looks < kMaxLooks && next < pilot_.finer.size();
+    }
+
+    /// The far end of a look's interval, squared.
+    double far_square(const MeasuredError& found) const {
+        if (!irradiance_target()) return found.mse.interval(kLookConfidence).high;
+        const double high = found.irradiance->interval(kLookConfidence).high;
+        return high * high;
+    }
+
+    bool irradiance_target() const {
+        return job_.quality.target.metric == QualityTarget::Metric::kIrradianceRel;
     }
 
     /// The first finer candidate that promises to make up for what the look found missing.
     size_t next_finer(size_t next, const MeasuredError& found) const {
         if (job_.quality.target.metric == QualityTarget::Metric::kSsim) return next;
-        const double wanted = render_mse_ * largest_mse(job_.quality.target) / found.mse.value;
+        const double wanted = render_mse_ * largest_square(job_.quality.target) / far_square(found);
         while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > wanted) {
             ++next;
         }
@@ -94,8 +111,13 @@ class Unit {
 
     Audit audit(uint64_t look) const {
         const bool ssim = job_.quality.target.metric == QualityTarget::Metric::kSsim;
-        const double share = look == kCertificate ? kCertificateShare : kDecisionShare;
-        const int pixels = audit_pixels(job_.quality, pilot_.truth_grid, probe_.face_size_px,
+        const double decision_share =
+            irradiance_target() ? kIrradianceDecisionShare : kDecisionShare;
+        const double share = look == kCertificate ? kCertificateShare : decision_share;
+        const int grid = wants_leaf_rays_only(job_)
+                             ? irradiance_truth_grid(result_.settings.leaf_grid)
+                             : pilot_.truth_grid;
+        const int pixels = audit_pixels(job_.quality, grid, probe_.face_size_px,
                                         share * static_cast<double>(render_.total().all_rays()));
         const AuditSpec spec{
             .scene = render_scene_,
@@ -104,10 +126,12 @@ class Unit {
             .aux = render_.aux,
             .exposure = pilot_.exposure,
             .against = job_.quality.against,
-            .truth_grid = pilot_.truth_grid,
+            .truth_grid = grid,
             .weighting = job_.quality.weighting,
             .pixels = pixels,
             .windows = ssim ? std::max(kMinAuditWindows, pixels / kWindowPixels) : 0,
+            .sh = irradiance_target() || job_.products.sh,
+            .drawn_for_sh = irradiance_target(),
             .key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look})};
         return audit_cubemap(spec, cancel_);
     }
@@ -150,10 +174,29 @@ class Unit {
         result_.faces = render_.faces;
         result_.pixels = render_.pixels;
         const ProbeAttributes attributes = this->attributes();
-        EncodedCubemap cube = encode_cubemap(render_.color, attributes);
-        result_.is_float = cube.is_float;
-        add_file("cube.exr", std::move(cube.bytes));
-        if (!job_.aux) return;
+        if (job_.products.cube) {
+            add_cubemap("cube.exr", encode_cubemap(render_.color, attributes));
+        }
+        if (job_.products.latlong) {
+            add_cubemap("latlong.exr",
+                        encode_layout(latlong_of(render_.color), ExrLayout::kLatlong, attributes));
+        }
+        for (const CubeFace face : kCubeFaces) {
+            if (!job_.products.gl_faces) break;
+            add_cubemap(
+                std::string(kGlFaceNames[static_cast<size_t>(index_of(face))]) + ".exr",
+                encode_layout(gl_face_of(render_.color, face), ExrLayout::kPlain, attributes));
+        }
+        if (job_.products.aux) add_file("aux.exr", encode_aux(aux(), attributes));
+        if (job_.products.sh) {
+            add_file("sh.json", encode_sh({.radiance = project_sh(as_written_),
+                                           .audit = result_.certificate.sh,
+                                           .confidence = job_.quality.evidence.confidence,
+                                           .probe = attributes}));
+        }
+    }
+
+    CubeAux aux() const {
         CubeAux aux{.face_size = probe_.face_size_px};
         const double metre = scene_.voxel_size_m;
         for (const PixelAux& pixel : render_.aux) {
@@ -161,7 +204,12 @@ class Unit {
                                   static_cast<float>(pixel.squared_distance * metre * metre),
                                   pixel.standard_error, static_cast<uint32_t>(pixel.samples)});
         }
-        add_file("aux.exr", encode_aux(aux, attributes));
+        return aux;
+    }
+
+    void add_cubemap(std::string name, EncodedCubemap file) {
+        result_.is_float |= file.is_float;
+        add_file(std::move(name), std::move(file.bytes));
     }
 
     void add_file(std::string name, std::vector<std::byte> bytes) {
@@ -217,6 +265,11 @@ int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, d
         quality.against == Against::kReference ? 16.0 : 2.0 * truth_grid * truth_grid;
     const double texels = 6.0 * face_size_px * face_size_px;
     const double paid_for = rays / rays_per_pixel;
+    if (quality.target.metric == QualityTarget::Metric::kIrradianceRel) {
+        const double most = std::min(texels, kMaxIrradianceDraws);
+        const double least = std::min(texels / 100.0, most);
+        return std::max(kMinAuditPixels, static_cast<int>(std::clamp(paid_for, least, most)));
+    }
     return std::max(kMinAuditPixels,
                     static_cast<int>(std::clamp(paid_for, texels / 100.0, texels / 10.0)));
 }

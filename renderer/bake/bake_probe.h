@@ -17,7 +17,7 @@ namespace probebake {
 
 /// A file of a probe, ready to be stored.
 struct ProductFile {
-    std::string name;  // "cube.exr", "aux.exr"
+    std::string name;  // "cube.exr", "sh.json"
     std::vector<std::byte> bytes;
     uint64_t size_bytes = 0;  // known when the bytes are given away, too
     std::string sha256;
@@ -34,7 +34,7 @@ struct ProbeResult {
     CostStats earlier_renders;  // of the looks before
     Audit certificate;          // empty without audit
     CostStats decision_cost;    // of the audits that decided
-    bool is_float = false;      // a value did not fit into HALF
+    bool is_float = false;      // a value of a file did not fit into HALF
     bool inside_voxel = false;
     double far_m = 0.0;  // effective
     double wall_seconds = 0.0;
@@ -59,7 +59,7 @@ ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilo
 std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe);
 
 /// Audited pixels of a probe: as asked for, else as many as these rays pay for, at least 64 and
-/// between a hundredth and a tenth of its texels.
+/// between a hundredth and a tenth of its texels; for irradiance, which needs many, up to all.
 int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays);
 
 }  // namespace probebake

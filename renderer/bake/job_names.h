@@ -4,16 +4,23 @@
 #include <array>
 #include <string_view>
 
+#include "bake/job_spec.h"
+
 namespace probebake {
 
 inline constexpr std::array<std::string_view, 2> kStateNames = {"albedo", "emission"};
-inline constexpr std::array<std::string_view, 4> kMetricNames = {"psnr_db", "rmse", "ssim", "rays"};
+inline constexpr std::array<std::string_view, 5> kMetricNames = {"psnr_db", "rmse", "ssim", "rays",
+                                                                 "irradiance_rel"};
 inline constexpr std::array<std::string_view, 2> kAgainstNames = {"truth", "reference"};
 /// Those of RendererKind, then "auto": the plan chooses.
 inline constexpr std::array<std::string_view, 6> kRendererNames = {
     "reference", "lod", "adaptive", "error_aware", "hybrid", "auto"};
 inline constexpr std::array<std::string_view, 2> kWeightingNames = {"uniform", "solid_angle"};
 inline constexpr std::array<std::string_view, 2> kMissesNames = {"left_out", "black"};
-inline constexpr std::array<std::string_view, 2> kProductNames = {"cube", "aux"};
+inline constexpr std::array<std::string_view, 5> kProductNames = {"cube", "aux", "latlong",
+                                                                  "gl_faces", "sh"};
+/// In the same order.
+inline constexpr std::array<bool Products::*, 5> kProductFlags = {
+    &Products::cube, &Products::aux, &Products::latlong, &Products::gl_faces, &Products::sh};
 
 }  // namespace probebake

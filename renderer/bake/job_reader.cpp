@@ -162,18 +162,38 @@ class JobReader {
     }
 
     void read_products() {
-        bool cube = !root_.has("products");
+        if (!root_.has("products")) {
+            root_.array("products", 0);
+            return;
+        }
+        spec_.products.cube = false;
+        bool any = false;
         for (const auto& [value, pointer] : root_.array("products", kProductNames.size())) {
             const std::string name = read_name(*value, pointer, issues_);
-            if (name == "cube") {
-                cube = true;
-            } else if (name == "aux") {
-                spec_.aux = true;
-            } else {
-                issues_.unacceptable(pointer, R"(expected "cube" or "aux")");
+            const auto at = std::find(kProductNames.begin(), kProductNames.end(), name);
+            if (at == kProductNames.end()) {
+                issues_.unacceptable(pointer, "expected one of " + product_names());
+                continue;
             }
+            spec_.products.*kProductFlags[static_cast<size_t>(at - kProductNames.begin())] = true;
+            any = true;
         }
-        if (!cube) issues_.unacceptable("/products", R"(expected "cube" to be among them)");
+        if (!any) issues_.unacceptable("/products", "expected at least one of " + product_names());
+    }
+
+    static std::string product_names() {
+        std::string names;
+        for (const std::string_view name : kProductNames) {
+            names.append(names.empty() ? "\"" : ", \"").append(name).append("\"");
+        }
+        return names;
+    }
+
+    /// Nothing but spherical harmonics: irradiance is what they are for.
+    bool only_sh() const {
+        const Products& products = spec_.products;
+        return products.sh && !products.cube && !products.aux && !products.latlong &&
+               !products.gl_faces;
     }
 
     void read_quality() {
@@ -190,6 +210,13 @@ class JobReader {
         spec_.quality.exposure =
             reader.optional_number("exposure", {.min = 0.0, .max = 1e9, .more_than_min = true});
         read_settings(reader);
+        const std::optional<RendererKind>& renderer_kind = spec_.quality.renderer;
+        if (wants_leaf_rays_only(spec_) && renderer_kind &&
+            *renderer_kind != RendererKind::kReference) {
+            issues_.unacceptable("/quality/renderer",
+                                 "irradiance_rel is reached by leaf rays: expected \"auto\" or "
+                                 "\"reference\", or settings of your own");
+        }
         read_evidence(reader);
         reader.refuse_unknown();
     }
@@ -197,6 +224,7 @@ class JobReader {
     void read_target(ObjectReader& quality) {
         ObjectReader targets = quality.object("targets");
         QualityTarget& target = spec_.quality.target;
+        if (only_sh()) target = {QualityTarget::Metric::kIrradianceRel, kDefaultIrradianceRel};
         int given = 0;
         const auto take = [&](QualityTarget::Metric metric, std::optional<double> value) {
             if (!value) return;
@@ -209,6 +237,9 @@ class JobReader {
              targets.optional_number("rmse", {.min = 0.0, .max = 1.0, .more_than_min = true}));
         take(QualityTarget::Metric::kSsim,
              targets.optional_number("ssim", {.min = 0.0, .max = 1.0, .more_than_min = true}));
+        take(QualityTarget::Metric::kIrradianceRel,
+             targets.optional_number("irradiance_rel",
+                                     {.min = 0.0, .max = 1.0, .more_than_min = true}));
         if (targets.has("rays")) {
             take(QualityTarget::Metric::kRays,
                  static_cast<double>(targets.unsigned_integer("rays", limits_.max_rays, {})));

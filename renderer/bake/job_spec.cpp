@@ -18,7 +18,20 @@ Json write_probe(const ProbeSpec& probe) {
     return json;
 }
 
+Json write_products(const Products& products) {
+    Json names = Json::array();
+    for (size_t i = 0; i < kProductNames.size(); ++i) {
+        if (products.*kProductFlags[i]) names.push_back(kProductNames[i]);
+    }
+    return names;
+}
+
 }  // namespace
+
+bool wants_leaf_rays_only(const JobSpec& spec) {
+    return spec.quality.target.metric == QualityTarget::Metric::kIrradianceRel &&
+           !spec.quality.settings;
+}
 
 std::string_view name_of(QualityTarget::Metric metric) {
     return kMetricNames[static_cast<size_t>(metric)];
@@ -69,7 +82,7 @@ Json write_job(const JobSpec& spec) {
     for (const LightingState& state : spec.states) {
         json["lighting_states"].push_back(write_state_spec(state));
     }
-    json["products"] = spec.aux ? Json{"cube", "aux"} : Json{"cube"};
+    json["products"] = write_products(spec.products);
     Json& list = json["probes"]["list"] = Json::array();
     for (const ProbeSpec& probe : spec.probes) list.push_back(write_probe(probe));
 

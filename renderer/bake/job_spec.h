@@ -28,10 +28,19 @@ struct ProbeSpec {
 
 /// The one quality target of a job.
 struct QualityTarget {
-    enum class Metric { kPsnrDb, kRmse, kSsim, kRays };
+    enum class Metric {
+        kPsnrDb,
+        kRmse,
+        kSsim,
+        kRays,           // per probe and state
+        kIrradianceRel,  // ‖A_l ΔL_lm‖ / ‖A_l L_lm‖ (sh_audit.h)
+    };
     Metric metric = Metric::kPsnrDb;
-    double value = 40.0;  // kRays: rays per probe and state
+    double value = 40.0;
 };
+
+/// The target of a job that names none and whose only product are spherical harmonics.
+inline constexpr double kDefaultIrradianceRel = 0.05;
 
 /// What an image is measured against.
 enum class Against {
@@ -64,13 +73,22 @@ struct BudgetSpec {
     std::optional<double> seconds;  // wall clock; makes the result depend on the machine
 };
 
+/// The files of every probe and state; at least one.
+struct Products {
+    bool cube = true;
+    bool aux = false;
+    bool latlong = false;
+    bool gl_faces = false;
+    bool sh = false;
+};
+
 struct JobSpec {
     std::string scene;
     std::vector<LightingState> states = {LightingState::kAlbedo};
     std::vector<ProbeSpec> probes;
     QualitySpec quality;
     BudgetSpec budget;
-    bool aux = false;  // the second file of every probe
+    Products products;
     uint64_t seed = 1;
 };
 
@@ -90,6 +108,10 @@ struct JobLimits {
 /// question.
 JobSpec read_job(const Json& request, const JobLimits& limits = {});
 Json write_job(const JobSpec& spec);
+
+/// Whether the job wants irradiance and leaves the way there to us: leaf rays, one per pixel to
+/// begin with, whose errors average out over the sphere.
+bool wants_leaf_rays_only(const JobSpec& spec);
 
 std::string_view name_of(QualityTarget::Metric metric);
 std::string_view name_of(Against against);

@@ -36,6 +36,10 @@ struct SunSpec {
     bool operator==(const SunSpec&) const = default;
 };
 
+/// What holds a lit value: a voxel's face, or the whole voxel as in the thesis, which leaks through
+/// thin walls (light/voxel_values.h).
+enum class RadiancePer { kFace, kVoxel };
+
 struct LightingState {
     enum class Kind { kAlbedo, kEmission, kLit };
 
@@ -45,6 +49,8 @@ struct LightingState {
     std::optional<SunSpec> sun;
     std::optional<SkySpec> sky;
     bool emission = true;
+    RadiancePer radiance_per = RadiancePer::kFace;
+    ShadowSettings shadows;
 
     static const LightingState kAlbedo;
     static const LightingState kEmission;

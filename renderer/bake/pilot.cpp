@@ -13,6 +13,11 @@ namespace {
 /// Of a budget of seconds, what the pilot may use before it takes what it has.
 constexpr double kPilotShare = 0.5;
 
+/// Prices that are tried, each a quarter of the one before, after the first whose estimate meets
+/// the target: if the bound does not come down by then, it hangs on single pixels that no price
+/// reaches, and the looks at each probe have to tell.
+constexpr int kFurtherPrices = 2;
+
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
 /// at its end, where a pixel may cost hundreds of rays.
 constexpr size_t kCurveBefore = 4;
@@ -34,6 +39,7 @@ class Search {
     std::pair<std::vector<Candidate>, size_t> run(Pilot& pilot) {
         std::vector<Candidate> all = compare(pilot);
         size_t chosen = cheapest_that_meets(all);
+        if (chosen == all.size() && pays_by_price()) chosen = first_by_estimate(all);
         pilot.expectation = Expectation::kTargetMet;
         if (chosen == all.size()) {
             --chosen;  // the finest there is
@@ -54,40 +60,87 @@ class Search {
         pilot.settings = all[chosen].settings;
         if (all[chosen].error.mse.nothing_found()) pilot.settings = cautious_settings();
         pilot.settings_mse = all[chosen].error.mse.value;
-        for (size_t i = chosen + 1; i < all.size(); ++i) {
-            const RenderSettings& settings = all[i].settings;
-            // All of a pixel's rays in every pixel is the last resort, not the next one.
-            if (settings.kind == RendererKind::kHybrid && settings.price < 0.0) continue;
-            pilot.finer.push_back({settings, all[i].error.mse.value});
+        if (pilot.settings.kind == RendererKind::kHybrid) {
+            pilot.finer = lower_prices(pilot.settings.price, pilot.settings_mse);
+            return {std::move(all), chosen};
         }
-        const RenderSettings last =
-            pilot.finer.empty() ? pilot.settings : pilot.finer.back().settings;
-        for (const RenderSettings& settings : finest_settings(plan_.renderers, last)) {
+        for (size_t i = chosen + 1; i < all.size(); ++i) {
+            pilot.finer.push_back({all[i].settings, all[i].error.mse.value});
+        }
+        for (const RenderSettings& settings : finest_settings(plan_.renderers)) {
             pilot.finer.push_back({settings, 0.0});
         }
         return {std::move(all), chosen};
     }
 
   private:
+    /// Prices in steps of two. Their errors are guessed: at half the price the squared error is
+    /// 0.58 to 0.85 of what it was, 0.70 on average (docs/decisions.md).
+    static std::vector<FinerSettings> lower_prices(double price, double mse) {
+        constexpr int kCount = 24;
+        std::vector<FinerSettings> finer;
+        for (int i = 0; i < kCount && price > 0.0; ++i) {
+            price *= 0.5;
+            mse *= 0.7;
+            finer.push_back({hybrid_at(price), mse});
+        }
+        return finer;
+    }
+
+    /// Compares lower and lower prices, until some meet the target.
+    std::vector<Candidate> compare_prices(Pilot& pilot) {
+        constexpr double kNextPrice = 0.25;
+        int further = kFurtherPrices;
+        pixels_.extend_hybrid(std::numeric_limits<double>::infinity());
+        double price = 0.0;
+        for (const SearchPixel& pixel : pixels_.sample().pixels) {
+            price = std::max(price, pixel.hybrid.gain());
+        }
+        const double lowest = price * 0x1.0p-60;
+        for (;;) {
+            price *= kNextPrice;
+            if (price <= lowest) price = -1.0;  // nothing is left to refine, or never was
+            pixels_.extend_hybrid(price);
+            std::vector<Candidate> candidates =
+                evaluate_all(hybrid_settings(pixels_.sample(), price));
+            pilot.candidates = candidates.size();
+            const bool enough = is_enough(candidates);
+            std::vector<Candidate> best = frontier(std::move(candidates), job_.quality.target);
+            if (!ray_target() && first_by_estimate(best) < best.size()) --further;
+            if (enough || further < 0 || price < 0.0 || out_of_time_()) return best;
+        }
+    }
+
+    std::vector<Candidate> evaluate_all(const std::vector<RenderSettings>& settings) const {
+        std::vector<Candidate> candidates(settings.size());
+        tbb::parallel_for(size_t{0}, settings.size(), [&](size_t i) {
+            candidates[i] = evaluate(pixels_.sample(), settings[i]);
+        });
+        return candidates;
+    }
+
+    /// Whether no finer candidates are needed: some meet the target, or cost more than may be
+    /// spent.
+    bool is_enough(const std::vector<Candidate>& candidates) const {
+        if (!ray_target()) return cheapest_that_meets(candidates) < candidates.size();
+        return std::any_of(candidates.begin(), candidates.end(),
+                           [&](const Candidate& candidate) { return !affordable(candidate); });
+    }
+
     /// Compares candidates with finer and finer leaf rays, until some meet the target.
     std::vector<Candidate> compare(Pilot& pilot) {
         const RendererKind kind = plan_.renderers.front();
+        if (pays_by_price()) return compare_prices(pilot);
         const bool refines_further = kind != RendererKind::kLod && kind != RendererKind::kAdaptive;
         std::vector<Candidate> best;
         for (const int leaf_grid : kLeafGrids) {
             pixels_.extend(plan_.renderers, leaf_grid);
             const std::vector<RenderSettings> settings =
                 candidate_settings(pixels_.sample(), plan_.renderers, leaf_grid);
-            std::vector<Candidate> candidates(settings.size());
-            tbb::parallel_for(size_t{0}, settings.size(), [&](size_t i) {
-                candidates[i] = evaluate(pixels_.sample(), settings[i]);
-            });
+            std::vector<Candidate> candidates = evaluate_all(settings);
             pilot.candidates = candidates.size();
-            const bool too_much =
-                std::any_of(candidates.begin(), candidates.end(),
-                            [&](const Candidate& candidate) { return !affordable(candidate); });
+            const bool enough = is_enough(candidates);
             best = frontier(std::move(candidates), job_.quality.target);
-            const bool enough = ray_target() ? too_much : cheapest_that_meets(best) < best.size();
             if (enough || !refines_further || out_of_time_()) break;
         }
         return best;
@@ -100,11 +153,11 @@ class Search {
             case RendererKind::kErrorAware:
                 return {.threshold = -1.0};
             case RendererKind::kHybrid:
-                return {.kind = RendererKind::kHybrid, .price = -1.0};
+                return {.kind = RendererKind::kHybrid, .leaf_grid = 4, .price = -1.0};
             case RendererKind::kReference:
                 return {.kind = RendererKind::kReference};
             case RendererKind::kAdaptive:
-                return finest_settings(plan_.renderers, {}).front();
+                return finest_settings(plan_.renderers).front();
             case RendererKind::kLod:
                 break;
         }
@@ -118,6 +171,20 @@ class Search {
             return bound_meets(job_.quality.target, candidate.error,
                                job_.quality.evidence.confidence);
         });
+        return static_cast<size_t>(at - all.begin());
+    }
+
+    /// The first whose estimate meets the target, with some certainty if possible.
+    size_t first_by_estimate(const std::vector<Candidate>& all) const {
+        const QualityTarget& target = job_.quality.target;
+        auto at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
+            return bound_meets(target, candidate.error, kLookConfidence);
+        });
+        if (at == all.end()) {
+            at = std::find_if(all.begin(), all.end(), [&](const Candidate& candidate) {
+                return estimate_meets(target, candidate.error);
+            });
+        }
         return static_cast<size_t>(at - all.begin());
     }
 
@@ -154,6 +221,7 @@ class Search {
     }
 
     bool ray_target() const { return job_.quality.target.metric == QualityTarget::Metric::kRays; }
+    bool pays_by_price() const { return plan_.renderers.front() == RendererKind::kHybrid; }
     bool limited_by_rays() const { return ray_target() || job_.budget.rays; }
 
     const JobSpec& job_;
@@ -184,6 +252,19 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
     return {{.kind = RendererKind::kLod}, given, {.kind = RendererKind::kReference}};
 }
 
+/// One leaf ray per pixel, then finer grids for probes that miss the target. Squared errors in
+/// units of what one ray leaves: they fall like the variance of stratified means, and so does the
+/// square of an audit's interval that costs a share of its render (irradiance_truth_grid).
+void begin_with_one_ray(Pilot& pilot) {
+    constexpr std::array kFiner = {2, 3, 4, 8, 16};
+    pilot.settings = {.kind = RendererKind::kReference, .leaf_grid = 1};
+    pilot.settings_mse = 1.0;
+    for (const int grid : kFiner) {
+        pilot.finer.push_back(
+            {{.kind = RendererKind::kReference, .leaf_grid = grid}, 1.0 / (grid * grid * grid)});
+    }
+}
+
 }  // namespace
 
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
@@ -202,14 +283,18 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     if (state.spec == LightingState::kEmission && !scene.emits()) {
         pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast
         measured = {pilot.settings};
+    } else if (plan.leaf_rays_only) {
+        begin_with_one_ray(pilot);
     } else if (plan.needs_pilot) {
         const auto [frontier, chosen] = Search(job, plan, pixels, time, out_of_time).run(pilot);
         measured = curve_settings(frontier, chosen, pilot.settings);
     } else {
         pilot.settings = *job.quality.settings;
-        if (pilot.settings.kind == RendererKind::kAdaptive ||
-            pilot.settings.kind == RendererKind::kHybrid) {  // they look at neighbours
+        // These two look at neighbours.
+        if (pilot.settings.kind == RendererKind::kAdaptive) {
             pixels.extend({pilot.settings.kind}, kLeafGrids.front());
+        } else if (pilot.settings.kind == RendererKind::kHybrid) {
+            pixels.extend_hybrid(pilot.settings.price);
         }
         measured = curve_settings(pilot.settings);
     }

@@ -25,7 +25,7 @@ enum class Expectation {
 
 struct FinerSettings {
     RenderSettings settings;
-    double mse = 0.0;  // on the sample; 0 where it showed no error any more
+    double mse = 0.0;  // as settings_mse; 0 where the sample showed no error any more
 };
 
 struct Pilot {
@@ -33,11 +33,11 @@ struct Pilot {
     double exposure = 1.0;
     int truth_grid = kTruthGrids.front();  // that audits use, too
     RenderSettings settings;
-    double settings_mse = 0.0;  // their mean squared error on the sample
+    double settings_mse = 0.0;  // their mean squared error on the sample; for leaf rays only: 1
     Expectation expectation = Expectation::kTargetMet;
     /// Settings that refine further, cheapest first, for a probe that misses the target.
     std::vector<FinerSettings> finer;
-    /// From LOD only to beyond the target, cheapest first.
+    /// From LOD only to beyond the target, cheapest first; empty for leaf rays only.
     std::vector<CurvePoint> curve;
     uint64_t pixels = 0;      // of the sample
     uint64_t candidates = 0;  // compared

@@ -34,12 +34,18 @@ PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState stat
     const QualityTarget& target = job.quality.target;
     const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
                           target.metric == QualityTarget::Metric::kRmse;
+    if (wants_leaf_rays_only(job)) {  // all that is wanted of the sample is the exposure
+        truth_grid_ = irradiance_truth_grid(1);
+        if (!job.quality.exposure) cast_truth();
+        set_exposure();
+        return;
+    }
     for (const int grid : kTruthGrids) {
         truth_grid_ = grid;
         cast_truth();
         set_exposure();
         if (!of_error || job.quality.against == Against::kReference) break;
-        if (truth_noise() <= kTruthNoiseShare * largest_mse(target)) break;
+        if (truth_noise() <= kTruthNoiseShare * largest_square(target)) break;
     }
 }
 
@@ -147,14 +153,7 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
         const auto record = [&](int grid) {
             record_leaves(at.scene, at.view, at.owner.x, at.owner.y, grid, pixel.record, stats);
         };
-        if (first_time && kind == RendererKind::kHybrid) {
-            pixel.hybrid.evidence.contrast = contrast_at(at, stats);
-        }
-        while (kind == RendererKind::kHybrid && pixel.hybrid.recorded < kHybridStages &&
-               stage_grid(pixel.hybrid.recorded) <= leaf_grid) {
-            record_stage(at.scene, at.view, at.owner.x, at.owner.y, pixel.hybrid, stats);
-        }
-        if (first_time && kind != RendererKind::kHybrid) {
+        if (first_time) {
             pixel.record = record_refinement(at.scene, at.view, at.owner.x, at.owner.y, {}, stats);
         }
         if (kind == RendererKind::kLod) return;
@@ -165,6 +164,20 @@ void PilotSample::extend(const std::vector<RendererKind>& renderers, int leaf_gr
         if (kind != RendererKind::kAdaptive) return;
         record(2);
         pixel.variation = variation_at(at, stats);
+    });
+}
+
+void PilotSample::extend_hybrid(double price) {
+    search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
+        HybridRecord& record = sample_.pixels[at.index].hybrid;
+        const HybridCast cast{at.scene, at.view, at.owner.x, at.owner.y};
+        if (record.recorded() == 0) {
+            record.pixel.evidence.contrast = contrast_at(at, stats);
+            record_stage(cast, record, stats);
+        }
+        while (record.recorded() < kHybridStages && record.gain() > price) {
+            record_stage(cast, record, stats);
+        }
     });
 }
 
@@ -187,9 +200,10 @@ void for_each_near(const CubePixel& middle, int n, Visit visit) {
 double PilotSample::contrast_at(const Target& at, CostStats& stats) const {
     std::array<Neighbour, 9> block;
     for_each_near(at.owner, at.view.width_px, [&](size_t place, const CubePixel& near) {
-        const HybridStage first = hybrid_stage(at.scene, at.view, near.x, near.y, 0);
+        HybridPixel first;
+        cast_stage({at.scene, at.view, near.x, near.y}, first);
         stats += first.cost;
-        block[place] = {first.sums.mean(), true};
+        block[place] = {first.color(), true};
     });
     return neighbour_contrast(block);
 }
@@ -220,9 +234,9 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
                 case RendererKind::kErrorAware:
                     return error_aware_pixel(at.scene, at.view, x, y, settings, stats);
                 case RendererKind::kHybrid:
-                    return hybrid_pixel(at.scene, at.view, x, y,
-                                        sample_.pixels[at.index].hybrid.evidence.contrast, settings,
-                                        stats);
+                    return hybrid_pixel({at.scene, at.view, x, y, settings.hybrid},
+                                        sample_.pixels[at.index].hybrid.pixel.evidence.contrast,
+                                        settings, stats);
                 case RendererKind::kAdaptive:
                     break;
             }

@@ -28,8 +28,10 @@ class PilotSample {
                 const CancelToken& cancel);
 
     /// Casts what candidates of these renderers with leaf rays of this grid could cast. Grids in
-    /// the order of kLeafGrids.
+    /// the order of kLeafGrids. Not for the hybrid renderer.
     void extend(const std::vector<RendererKind>& renderers, int leaf_grid);
+    /// Casts what the hybrid renderer would at any price from this one up. Prices in falling order.
+    void extend_hybrid(double price);
 
     /// Renders every pixel and measures the error.
     CurvePoint render(const RenderSettings& settings);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bake/job_names.h"
 #include "bake/state_light.h"
 #include "image/cubemap.h"
 #include "render/render.h"
@@ -12,7 +13,9 @@ namespace {
 /// Everything of a job that no state, product or target asks for.
 std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan& plan) {
     std::vector<LeftOut> out;
-    const auto leave = [&](const char* what, const char* why) { out.push_back({what, why}); };
+    const auto leave = [&](std::string what, const char* why) {
+        out.push_back({std::move(what), why});
+    };
     const bool emission_asked =
         std::any_of(job.states.begin(), job.states.end(), [](const LightingState& state) {
             return state.kind == LightingState::Kind::kEmission || (state.lit() && state.emission);
@@ -26,20 +29,45 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         leave("emission colours", "no lighting state shows emission");
     }
     if (!plan.needs_error_table) leave("error table", "no renderer of this job looks at it");
-    if (!plan.needs_pilot) leave("quality search", "the job brings its own settings");
+    if (plan.leaf_rays_only) {
+        leave("quality search", "irradiance begins with one ray per pixel: nothing is cheaper");
+        leave("refinement ladder",
+              "the target is irradiance: errors of single pixels average out over the sphere");
+        leave("LOD colours", "leaf rays show voxels");
+        leave("curve", "a sample of pixels does not tell the irradiance's error");
+    } else if (!plan.needs_pilot) {
+        leave("quality search", "the job brings its own settings");
+    }
     if (!plan.needs_audit) leave("audit", "the job asks for no evidence");
-    if (!job.aux) leave("aux file", "products do not name it");
+    for (size_t i = 0; i < kProductNames.size(); ++i) {
+        if (job.products.*kProductFlags[i]) continue;
+        leave(std::string(kProductNames[i]) + " file", "products do not name it");
+    }
     if (job.quality.target.metric != QualityTarget::Metric::kSsim) {
         leave("SSIM audit", "the target is another metric; SSIM costs whole windows of pixels");
     }
     return out;
 }
 
+/// Of all files together, uncompressed; a latlong has 8 N² pixels where a cube has 6 N².
+uint64_t bytes_per_texel(const Products& products) {
+    constexpr uint64_t kHalfRgb = 6;
+    uint64_t bytes = 0;
+    if (products.cube) bytes += kHalfRgb;
+    if (products.aux) bytes += 6 * sizeof(float);
+    if (products.latlong) bytes += kHalfRgb * 4 / 3;
+    if (products.gl_faces) bytes += kHalfRgb;
+    return bytes;
+}
+
 }  // namespace
 
 Plan make_plan(const Scene& scene, const JobSpec& job) {
     Plan plan;
-    if (job.quality.renderer) {
+    plan.leaf_rays_only = wants_leaf_rays_only(job);
+    if (plan.leaf_rays_only) {
+        plan.renderers = {RendererKind::kReference};
+    } else if (job.quality.renderer) {
         plan.renderers = {*job.quality.renderer};
     } else {
         // The hybrid's colours are nearer to the truth than 4 × 4 leaf rays are: not what a job
@@ -50,25 +78,25 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     }
     plan.needs_error_table = plan.renderers.front() == RendererKind::kErrorAware ||
                              plan.renderers.front() == RendererKind::kHybrid;
-    plan.needs_pilot = !job.quality.settings;
+    plan.needs_pilot = !job.quality.settings && !plan.leaf_rays_only;
     plan.needs_audit = job.quality.evidence.audit;
     plan.left_out = unneeded(scene, job, plan);
     plan.work_units = job.probes.size() * job.states.size();
     plan.texels = texel_count(job);
     plan.scene_bytes = scene.tree.memory_bytes();
-    for (size_t i = 0; i < job.states.size(); ++i) {
-        check_sky_file(scene, job, i);
-        if (job.states[i].lit()) plan.light_bytes += expected_light_bytes(scene);
-    }
+    for (size_t i = 0; i < job.states.size(); ++i) check_sky_file(scene, job, i);
+    plan.light_bytes = expected_light_bytes(scene, job);
 
     int largest = 0;
     for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
     const uint64_t unit_texels =
         6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
     // The render (twice while faces become a cube), the values as written, and the encoded files.
-    plan.bytes_per_unit = unit_texels * (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) +
-                                         3 * sizeof(float) + (job.aux ? 6 * sizeof(float) : 0));
-    plan.output_bytes = plan.texels * (3 * 2 + (job.aux ? 6 * 4 : 0)) + plan.work_units * 4096;
+    plan.bytes_per_unit =
+        unit_texels *
+        (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
+         (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
+    plan.output_bytes = plan.texels * bytes_per_texel(job.products) + plan.work_units * 16384;
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;
@@ -91,7 +119,8 @@ Json write_plan(const Plan& plan) {
                  {"memory",
                   {{"scene_bytes", plan.scene_bytes},
                    {"light_bytes", plan.light_bytes},
-                   {"bytes_per_work_unit", plan.bytes_per_unit}}},
+                   {"bytes_per_work_unit", plan.bytes_per_unit},
+                   {"total_bytes", plan.scene_bytes + plan.light_bytes + plan.bytes_per_unit}}},
                  {"output_bytes_at_most", plan.output_bytes},
                  {"left_out", Json::array()},
                  {"warnings", plan.warnings}};

@@ -13,18 +13,27 @@ inline double effective_far_m(const Scene& scene, const ProbeSpec& probe) {
     return probe.far_m.value_or(scene.reach_m(probe.position_m));
 }
 
+/// The value per voxel and node that a state shows; where it is lit per face, the albedo, by which
+/// renderers judge how much colours vary.
+inline const ColorLevels& colors_of(const Scene& scene, const ReadyState& state) {
+    if (state.spec.kind == LightingState::Kind::kEmission) return scene.tree.colors().emission;
+    if (state.light != nullptr && !state.light->voxel_values.empty()) {
+        return state.light->voxel_values;
+    }
+    return scene.tree.colors().albedo;
+}
+
 /// What the probe sees in a lighting state. Scene and state outlive it.
 inline RenderScene render_scene(const Scene& scene, const ProbeSpec& probe,
                                 const ReadyState& state) {
-    const ColorPyramid& colors = scene.tree.colors();
     const StateLight* light = state.light.get();
-    return {
-        .tree = scene.tree,
-        .color = state.spec.kind == LightingState::Kind::kAlbedo ? colors.albedo : colors.emission,
-        .range = {.t_min = probe.near_m / scene.voxel_size_m,
-                  .t_max = effective_far_m(scene, probe) / scene.voxel_size_m},
-        .lit = light != nullptr ? &light->colors : nullptr,
-        .sky = light != nullptr ? &light->sky : nullptr};
+    const bool per_voxel = light != nullptr && !light->voxel_values.empty();
+    return {.tree = scene.tree,
+            .color = colors_of(scene, state),
+            .range = {.t_min = probe.near_m / scene.voxel_size_m,
+                      .t_max = effective_far_m(scene, probe) / scene.voxel_size_m},
+            .lit = light != nullptr && !per_voxel ? &light->colors : nullptr,
+            .sky = light != nullptr ? &light->sky : nullptr};
 }
 
 inline View face_view(const Scene& scene, const ProbeSpec& probe, CubeFace face) {

@@ -11,6 +11,18 @@ std::optional<double> psnr_of(double mse) {
     return -10.0 * std::log10(mse);
 }
 
+/// What a ray anywhere in a pixel's footprint meets.
+Rgb leaf_ray(const RenderScene& scene, const View& view, int x, int y, RandomStream& random,
+             CostStats& stats) {
+    const double u = random.uniform();
+    const double v = random.uniform();
+    const Ray ray = pixel_ray(view, x - 0.5 + u, y - 0.5 + v).ray;
+    Hit hit = trace(scene.tree, ray, LevelOfDetail{}, scene.range);
+    const Rgb color = shade(scene, ray.direction, hit);
+    stats.keep(hit);
+    return color;
+}
+
 }  // namespace
 
 TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
@@ -19,9 +31,16 @@ TruthPair truth_pair(const RenderScene& scene, const View& view, int x, int y,
         const Rgb reference = uniform_pixel(scene, view, x, y, 4, stats).mean();
         return {reference, reference};
     }
+    if (params.grid == 1) {  // too few rays for a start list to pay
+        RandomStream random(params.key);
+        const Rgb r1 = leaf_ray(scene, view, x, y, random, stats);
+        return {r1, leaf_ray(scene, view, x, y, random, stats)};
+    }
+    const StartList from = start_list(scene.tree, pixel_beam(view, {x, y, x, y}, 1.0));
+    stats.steps += from.steps;
     RandomStream random(params.key);
-    const Rgb r1 = stratified_pixel(scene, view, x, y, params.grid, random, stats);
-    const Rgb r2 = stratified_pixel(scene, view, x, y, params.grid, random, stats);
+    const Rgb r1 = stratified_pixel(scene, view, x, y, params.grid, from, random, stats);
+    const Rgb r2 = stratified_pixel(scene, view, x, y, params.grid, from, random, stats);
     return {r1, r2};
 }
 
@@ -41,7 +60,7 @@ ErrorFigures figures_of(const Estimate& mse, double confidence) {
             .psnr_high_db = psnr_of(interval.low)};
 }
 
-double largest_mse(const QualityTarget& target) {
+double largest_square(const QualityTarget& target) {
     return target.metric == QualityTarget::Metric::kPsnrDb ? std::pow(10.0, -target.value / 10.0)
                                                            : target.value * target.value;
 }
@@ -52,8 +71,10 @@ bool estimate_meets(const QualityTarget& target, const MeasuredError& error) {
             return true;
         case QualityTarget::Metric::kSsim:
             return error.ssim && error.ssim->value >= target.value;
+        case QualityTarget::Metric::kIrradianceRel:
+            return error.irradiance && error.irradiance->value() <= target.value;
         default:
-            return error.mse.value <= largest_mse(target);
+            return error.mse.value <= largest_square(target);
     }
 }
 
@@ -63,8 +84,10 @@ bool bound_meets(const QualityTarget& target, const MeasuredError& error, double
             return true;
         case QualityTarget::Metric::kSsim:
             return error.ssim && error.ssim->interval(confidence).low >= target.value;
+        case QualityTarget::Metric::kIrradianceRel:
+            return error.irradiance && error.irradiance->interval(confidence).high <= target.value;
         default:
-            return error.mse.interval(confidence).high <= largest_mse(target);
+            return error.mse.interval(confidence).high <= largest_square(target);
     }
 }
 
@@ -74,8 +97,10 @@ bool surely_misses(const QualityTarget& target, const MeasuredError& error, doub
             return false;
         case QualityTarget::Metric::kSsim:
             return error.ssim && error.ssim->interval(confidence).high < target.value;
+        case QualityTarget::Metric::kIrradianceRel:
+            return error.irradiance && error.irradiance->interval(confidence).low > target.value;
         default:
-            return error.mse.interval(confidence).low > largest_mse(target);
+            return error.mse.interval(confidence).low > largest_square(target);
     }
 }
 

@@ -10,6 +10,7 @@
 
 #include "bake/job_spec.h"
 #include "math/estimate.h"
+#include "math/norm_estimate.h"
 #include "render/pixel.h"
 
 namespace probebake {
@@ -23,6 +24,12 @@ struct TruthPair {
 /// Leaf rays per side of one estimate of the truth: as few as the target lets pass, because the
 /// noise of r1 and r2 hides errors that are much smaller (PilotSample).
 inline constexpr std::array<int, 3> kTruthGrids = {4, 8, 16};
+/// The same for irradiance and an image of grid × grid leaf rays. Where stratified means have a
+/// variance like grid⁻³, 0.63 of the image's grid tells most for its rays: the truth then is about
+/// as noisy as the image is wrong.
+constexpr int irradiance_truth_grid(int leaf_grid) {
+    return leaf_grid < 3 ? 1 : (5 * leaf_grid + 4) / 8;
+}
 
 /// Truth (grid × grid jittered rays each) or the thesis's 4 × 4 reference of pixel (x, y). `key`
 /// names the random stream. Rays are counted in `stats`.
@@ -42,6 +49,7 @@ double squared_error(const Rgb& value, const TruthPair& truth, double exposure);
 struct MeasuredError {
     Estimate mse;
     std::optional<Estimate> ssim;
+    std::optional<NormEstimate> irradiance;  // relative (sh_audit.h)
 };
 
 /// The figures of a MeasuredError as reports show them.
@@ -55,13 +63,18 @@ struct ErrorFigures {
 };
 ErrorFigures figures_of(const Estimate& mse, double confidence);
 
-/// The largest mean squared error that meets a target of PSNR or RMSE.
-double largest_mse(const QualityTarget& target);
+/// The square of the largest error that meets a target of PSNR, RMSE or irradiance_rel.
+double largest_square(const QualityTarget& target);
 
 /// Whether the estimate alone meets a target, and whether the far end of its interval does. A
 /// target of rays says nothing about error: always true.
 bool estimate_meets(const QualityTarget& target, const MeasuredError& error);
 bool bound_meets(const QualityTarget& target, const MeasuredError& error, double confidence);
+
+/// Confidence of the interval whose far end decides on the way whether a render is good enough. The
+/// certificate asks for the job's own; a decision has a smaller sample, and one by the estimate
+/// alone would leave the probes that miss by a little to luck.
+inline constexpr double kLookConfidence = 0.7;
 /// Whether even the near end of the interval misses it.
 bool surely_misses(const QualityTarget& target, const MeasuredError& error, double confidence);
 

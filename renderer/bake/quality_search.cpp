@@ -162,34 +162,6 @@ std::vector<RenderSettings> error_aware_settings(const SearchSample& sample, int
     return all;
 }
 
-std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, int max_leaf_grid) {
-    std::vector<double> gains;
-    for (const SearchPixel& pixel : sample.pixels) {
-        for (int stage = 0; stage + 1 < pixel.hybrid.recorded; ++stage) {
-            gains.push_back(pixel.hybrid.stages[static_cast<size_t>(stage)].gain);
-        }
-    }
-    std::vector<RenderSettings> all;
-    for (const double price : quantiles(gains, kPrices)) {
-        all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = max_leaf_grid, .price = price});
-    }
-    all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = max_leaf_grid, .price = -1.0});
-    return all;
-}
-
-/// Down from a price in steps of four, which about halve the error, to no price at all.
-std::vector<RenderSettings> cheaper_prices(double price) {
-    constexpr int kSteps = 4;
-    std::vector<RenderSettings> all;
-    for (int i = 0; i < kSteps && price > 0.0; ++i) {
-        price /= 4.0;
-        all.push_back(
-            {.kind = RendererKind::kHybrid, .leaf_grid = kLeafGrids.back(), .price = price});
-    }
-    all.push_back({.kind = RendererKind::kHybrid, .leaf_grid = kLeafGrids.back(), .price = -1.0});
-    return all;
-}
-
 }  // namespace
 
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
@@ -214,15 +186,27 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                 add(error_aware_settings(sample, max_leaf_grid));
                 break;
             case RendererKind::kHybrid:
-                add(hybrid_settings(sample, max_leaf_grid));
                 break;
         }
     }
     return all;
 }
 
-std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers,
-                                            const RenderSettings& last) {
+std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, double lowest) {
+    std::vector<double> gains;
+    for (const SearchPixel& pixel : sample.pixels) {
+        for (int stage = 0; stage < pixel.hybrid.recorded(); ++stage) {
+            const double gain = pixel.hybrid.stages[static_cast<size_t>(stage)].gain;
+            if (gain > lowest) gains.push_back(gain);
+        }
+    }
+    std::vector<RenderSettings> all;
+    for (const double price : quantiles(gains, kPrices)) all.push_back(hybrid_at(price));
+    all.push_back(hybrid_at(lowest));
+    return all;
+}
+
+std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers) {
     switch (renderers.front()) {
         case RendererKind::kLod:
             return {};
@@ -232,7 +216,7 @@ std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& ren
         case RendererKind::kReference:
             return reference_settings(kLeafGrids.back(), false);
         case RendererKind::kHybrid:
-            return cheaper_prices(last.price);
+            return {};
         case RendererKind::kErrorAware:
             break;
     }

@@ -50,15 +50,18 @@ MeasuredError measure(const SearchSample& sample, const std::vector<Rgb>& colors
 inline constexpr std::array<int, 3> kCoarseGrids = {1, 2, 3};
 
 /// Settings worth comparing with the leaf grids up to `max_leaf_grid`: thresholds, spreads and
-/// normalisers at quantiles of what the sample shows, from no refinement to all.
+/// normalisers at quantiles of what the sample shows, from no refinement to all. Not for the hybrid
+/// renderer.
 std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                                                const std::vector<RendererKind>& renderers,
                                                int max_leaf_grid);
 
+/// The hybrid renderer at prices from `lowest` up, at quantiles of the gains that the sample shows.
+std::vector<RenderSettings> hybrid_settings(const SearchSample& sample, double lowest);
+
 /// Settings that refine more and more, on from the last that the sample speaks for: for a probe
-/// that misses the target although the sample met it.
-std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers,
-                                            const RenderSettings& last);
+/// that misses the target although the sample met it. Not for the hybrid renderer.
+std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& renderers);
 
 /// The candidates that no other beats in both steps and error, cheapest first.
 std::vector<Candidate> frontier(std::vector<Candidate> candidates, const QualityTarget& target);

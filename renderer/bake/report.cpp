@@ -16,7 +16,8 @@ Json optional_json(const std::optional<T>& value) {
 Json write_cost(const CostStats& cost) {
     return {{"rays", cost.rays},       {"discarded_rays", cost.discarded_rays},
             {"hit_rays", cost.hits()}, {"missed_rays", cost.missed_rays},
-            {"steps", cost.steps},     {"seconds", cost.seconds}};
+            {"steps", cost.steps},     {"box_tests", cost.box_tests},
+            {"seconds", cost.seconds}};
 }
 
 /// With the levels at which rays stopped, up to the highest one.
@@ -40,6 +41,11 @@ Json write_error(const MeasuredError& error, double confidence) {
                  {"samples", error.mse.samples}};
     if (error.mse.nothing_found()) {
         json["share_of_wrong_pixels_at_most"] = unseen_share(error.mse.samples, confidence);
+    }
+    if (error.irradiance) {
+        const Interval interval = error.irradiance->interval(confidence);
+        json["irradiance_rel"] = error.irradiance->value();
+        json["irradiance_rel_interval"] = {interval.low, interval.high};
     }
     if (error.ssim) {
         const Interval interval = error.ssim->interval(confidence);
@@ -197,6 +203,10 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
         if (result.state.id != state.id) continue;
         const MeasuredError& error = result.certificate.error;
         pooled.mse.add(weight, error.mse);
+        if (error.irradiance) {
+            if (!pooled.irradiance) pooled.irradiance = NormEstimate{};
+            pooled.irradiance->add(weight, *error.irradiance);
+        }
         if (!error.ssim) continue;
         if (!pooled.ssim) pooled.ssim = Estimate{};
         pooled.ssim->add(weight, *error.ssim);

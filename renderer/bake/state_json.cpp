@@ -10,6 +10,9 @@ namespace probebake {
 namespace {
 
 constexpr std::array<std::string_view, 3> kSkyNames = {"constant", "gradient", "equirect"};
+/// In the order of ShadowLod and RadiancePer.
+constexpr std::array<std::string_view, 3> kShadowNames = {"distance", "node", "subtree"};
+constexpr std::array<std::string_view, 2> kPerNames = {"face", "voxel"};
 constexpr double kMaxLight = 1e9;
 constexpr int kMaxSunRays = 1024;
 constexpr int kMaxSkyRays = 4096;
@@ -74,6 +77,17 @@ SkySpec read_sky(ObjectReader reader) {
     return spec;
 }
 
+ShadowSettings read_shadows(ObjectReader reader) {
+    ShadowSettings shadows;
+    shadows.lod = static_cast<ShadowLod>(
+        reader.choice("lod", kShadowNames, static_cast<size_t>(shadows.lod)));
+    shadows.cone = reader.number("cone", {0.0, 1.0}, shadows.cone);
+    shadows.threshold = reader.number("threshold", {0.0, 2.0}, shadows.threshold);
+    shadows.decay = reader.number("decay", {0.0, 1.0}, shadows.decay);
+    reader.refuse_unknown();
+    return shadows;
+}
+
 LightingState read_lit(const Json& value, const std::string& pointer, JsonIssues& issues) {
     ObjectReader reader(value, pointer, issues);
     LightingState state{.kind = LightingState::Kind::kLit};
@@ -94,6 +108,9 @@ LightingState read_lit(const Json& value, const std::string& pointer, JsonIssues
         reader.object("sky");
     }
     state.emission = reader.boolean("emission", true);
+    state.radiance_per =
+        static_cast<RadiancePer>(reader.choice("radiance_per", kPerNames, size_t{0}));
+    state.shadows = read_shadows(reader.object("shadows"));
     reader.refuse_unknown();
     if (!state.sun && !state.sky && !state.emission) {
         issues.unacceptable(pointer, "expected a sun, a sky or emission");
@@ -135,7 +152,14 @@ LightingState read_state(const Json& value, const std::string& pointer, JsonIssu
 
 Json write_state_spec(const LightingState& state) {
     if (!state.lit()) return state.id;
-    Json json = {{"id", state.id}, {"emission", state.emission}};
+    Json json = {{"id", state.id},
+                 {"emission", state.emission},
+                 {"radiance_per", kPerNames[static_cast<size_t>(state.radiance_per)]},
+                 {"shadows",
+                  {{"lod", kShadowNames[static_cast<size_t>(state.shadows.lod)]},
+                   {"cone", state.shadows.cone},
+                   {"threshold", state.shadows.threshold},
+                   {"decay", state.shadows.decay}}}};
     if (state.sun) {
         const Sun& sun = state.sun->sun;
         json["sun"] = {{"direction", {sun.direction.x, sun.direction.y, sun.direction.z}},

@@ -1,15 +1,16 @@
 #include "bake/state_light.h"
 
+#include <algorithm>
+
 #include "bake/probe_view.h"
 #include "io/file.h"
 #include "io/sha256.h"
+#include "light/light_memory.h"
 #include "light/sky_file.h"
+#include "light/voxel_values.h"
 
 namespace probebake {
 namespace {
-
-/// Of a wood of thin leaves; most worlds take less (docs/decisions.md).
-constexpr uint64_t kBytesPerVoxel = 33;
 
 const SkyFileSpec* picture_of(const LightingState& state) {
     return state.sky ? std::get_if<SkyFileSpec>(&state.sky->what) : nullptr;
@@ -58,6 +59,7 @@ ReadyState light_state(const Scene& scene, const JobSpec& job, size_t index,
     light->sky = make_sky(scene, job, index, *light);
     Lighting lighting{.sky = light->sky, .emission = state.emission};
     LightingParams params{
+        .shadow = state.shadows,
         .seed = random_key({job.seed, static_cast<uint64_t>(StreamPurpose::kLighting)})};
     if (state.sun) {
         lighting.sun = state.sun->sun;
@@ -68,13 +70,25 @@ ReadyState light_state(const Scene& scene, const JobSpec& job, size_t index,
         params.gather_level = gather_level_for(scene.voxel_size_m, state.sky->gather_m);
     }
     LitScene lit = light_scene(scene.tree, lighting, params, cancel);
-    light->colors = std::move(lit.colors);
     light->cost = lit.cost;
+    if (state.radiance_per == RadiancePer::kVoxel) {
+        light->voxel_values = one_value_per_voxel(scene.tree, lit.colors);
+        light->cost.memory_bytes = light->voxel_values.memory_bytes();
+    } else {
+        light->colors = std::move(lit.colors);
+    }
     return {state, std::move(light)};
 }
 
-uint64_t expected_light_bytes(const Scene& scene) {
-    return scene.tree.voxel_count() * kBytesPerVoxel;
+uint64_t expected_light_bytes(const Scene& scene, const JobSpec& job) {
+    const auto count_of = [&](RadiancePer per) {
+        return static_cast<uint64_t>(std::count_if(
+            job.states.begin(), job.states.end(),
+            [&](const LightingState& s) { return s.lit() && s.radiance_per == per; }));
+    };
+    const uint64_t per_face = count_of(RadiancePer::kFace);
+    return (per_face > 0 ? per_face * expected_face_bytes(scene.tree) : 0) +
+           count_of(RadiancePer::kVoxel) * voxel_value_bytes(scene.tree);
 }
 
 }  // namespace probebake

@@ -10,7 +10,8 @@
 namespace probebake {
 
 struct StateLight {
-    FaceColors colors;
+    FaceColors colors;         // empty where the state has one value per voxel:
+    ColorLevels voxel_values;  // empty elsewhere
     Sky sky;
     LightingCost cost;
     std::string sky_sha256;  // of the picture's file; empty without
@@ -35,7 +36,7 @@ void check_sky_file(const Scene& scene, const JobSpec& job, size_t index);
 ReadyState light_state(const Scene& scene, const JobSpec& job, size_t index,
                        const CancelToken& cancel);
 
-/// Bytes that the light of one lit state is expected to take, before it is computed.
-uint64_t expected_light_bytes(const Scene& scene);
+/// Bytes that the light of all states of a job is expected to take, before it is computed.
+uint64_t expected_light_bytes(const Scene& scene, const JobSpec& job);
 
 }  // namespace probebake

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <stdexcept>
 
 #include "image/exr_attributes.h"
@@ -43,8 +44,7 @@ void check_radiance(const Cubemap& cubemap) {
     }
 }
 
-bool is_float_file(const Cubemap& cubemap) {
-    const auto pixels = cubemap.image().pixels();
+bool is_float_file(std::span<const Rgb> pixels) {
     return std::any_of(pixels.begin(), pixels.end(), [](const Rgb& c) {
         return c.r > kHalfMax || c.g > kHalfMax || c.b > kHalfMax;
     });
@@ -101,6 +101,17 @@ void check_aux(const CubeAux& aux) {
     }
 }
 
+EncodedCubemap encode_rgb(const Imf::Header& header, std::span<const Rgb> pixels) {
+    if (is_float_file(pixels)) {
+        return {encode_exr(header, rgb_channels(std::as_bytes(pixels).data(), Imf::FLOAT)), true};
+    }
+    std::vector<HalfRgb> rounded;
+    rounded.reserve(pixels.size());
+    for (const Rgb& c : pixels) rounded.push_back({c.r, c.g, c.b});
+    const auto bytes = std::as_bytes(std::span(rounded));
+    return {encode_exr(header, rgb_channels(bytes.data(), Imf::HALF)), false};
+}
+
 /// Runs a check of values on what a file held.
 template <class Check>
 void check_read(const ExrReader& reader, const Check& check) {
@@ -117,21 +128,28 @@ EncodedCubemap encode_cubemap(const Cubemap& cubemap, const ProbeAttributes& att
     const Imf::Header header = make_cube_header(cubemap.face_size(), attributes);
     check_radiance(cubemap);
     check_edges(cubemap);
-    const auto pixels = cubemap.image().pixels();
-    if (is_float_file(cubemap)) {
-        return {encode_exr(header, rgb_channels(std::as_bytes(pixels).data(), Imf::FLOAT)), true};
+    return encode_rgb(header, cubemap.image().pixels());
+}
+
+EncodedCubemap encode_layout(const Image& image, ExrLayout layout,
+                             const ProbeAttributes& attributes) {
+    std::optional<Imf::Envmap> envmap;
+    if (layout == ExrLayout::kLatlong) envmap = Imf::ENVMAP_LATLONG;
+    for (const Rgb& c : image.pixels()) {
+        for (int i = 0; i < 3; ++i) {
+            if (c[i] >= 0.0f && std::isfinite(c[i])) continue;
+            throw std::domain_error("a value is " + std::to_string(c[i]) +
+                                    ", expected finite and not negative");
+        }
     }
-    std::vector<HalfRgb> rounded;
-    rounded.reserve(pixels.size());
-    for (const Rgb& c : pixels) rounded.push_back({c.r, c.g, c.b});
-    const auto bytes = std::as_bytes(std::span(rounded));
-    return {encode_exr(header, rgb_channels(bytes.data(), Imf::HALF)), false};
+    return encode_rgb(make_header(image.width(), image.height(), envmap, attributes),
+                      image.pixels());
 }
 
 Cubemap rounded_to_file(const Cubemap& cubemap) {
     check_radiance(cubemap);
     Cubemap rounded = cubemap;
-    if (is_float_file(cubemap)) return rounded;
+    if (is_float_file(cubemap.image().pixels())) return rounded;
     for (Rgb& c : rounded.image().pixels()) {
         c = {Imath::half(c.r), Imath::half(c.g), Imath::half(c.b)};
     }

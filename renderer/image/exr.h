@@ -60,6 +60,12 @@ struct EncodedCubemap {
 /// attribute's name that cannot be written.
 EncodedCubemap encode_cubemap(const Cubemap& cubemap, const ProbeAttributes& attributes);
 
+/// Another layout of a cubemap (layouts.h): the same channels, types and attributes. Throws as
+/// above.
+enum class ExrLayout { kLatlong, kPlain };
+EncodedCubemap encode_layout(const Image& image, ExrLayout layout,
+                             const ProbeAttributes& attributes);
+
 /// The values that a reader of the file finds: rounded to HALF, unless the file is FLOAT. Throws
 /// std::domain_error as above for a value that cannot be written.
 Cubemap rounded_to_file(const Cubemap& cubemap);

@@ -114,8 +114,13 @@ Imf::Header make_cube_header(int face_size, const ProbeAttributes& attributes) {
                                     std::to_string(kMaxFaceSize_px) + " pixels, not " +
                                     std::to_string(face_size));
     }
-    Imf::Header header(face_size, 6 * face_size);
-    Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+    return make_header(face_size, 6 * face_size, Imf::ENVMAP_CUBE, attributes);
+}
+
+Imf::Header make_header(int width_px, int height_px, std::optional<Imf::Envmap> layout,
+                        const ProbeAttributes& attributes) {
+    Imf::Header header(width_px, height_px);
+    if (layout) Imf::addEnvmap(header, *layout);
     Imf::addChromaticities(header, Imf::Chromaticities());
     Imf::addOwner(header, attributes.owner);
     Imf::addComments(header, attributes.comments);

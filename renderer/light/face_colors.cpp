@@ -6,6 +6,20 @@
 namespace probebake {
 namespace {
 
+/// By how much a ray begins before the node that it goes on from, voxels: rounding must not put it
+/// behind the node's own face.
+constexpr double kBackwards = 1e-6;
+
+class UndividedRule : public StopRule {
+  public:
+    UndividedRule(const FaceColors& colors, const VoxelTree& tree) : colors_(colors), tree_(tree) {}
+    bool stops(const Hit& node) override { return !colors_.divided(tree_, node, node.level); }
+
+  private:
+    const FaceColors& colors_;
+    const VoxelTree& tree_;
+};
+
 enum class Side { kBehind, kInFront, kBoth };
 
 /// On which side of a group's faces the point lies; `at` in steps from the node's lowest corner.
@@ -44,25 +58,32 @@ Rgb darkest_in_front(const FaceLevel& faces, size_t node, const Hit& hit) {
 
 }  // namespace
 
-Rgb FaceColors::seen(const VoxelTree& tree, const Hit& hit, int level) const {
-    const ColorIndex node = color_index(tree, hit, hit.level);
-    const FaceLevel& faces = this->level(node.array);
+Rgb FaceColors::seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level,
+                     uint32_t& steps) const {
+    if (divided(tree, hit, hit.level)) {
+        UndividedRule rule(*this, tree);
+        const Hit finer = trace(tree, {hit.point, direction}, {.fixed_level = hit.level - 1},
+                                {.t_min = -kBackwards}, rule);
+        steps += finer.steps;
+        return finer ? value_of(tree, finer, finer.level) : value_of(tree, hit, hit.level);
+    }
+    while (level > hit.level && divided(tree, hit, level)) --level;
+    return value_of(tree, hit, level);
+}
+
+Rgb FaceColors::value_of(const VoxelTree& tree, const Hit& hit, int level) const {
+    const ColorIndex own = color_index(tree, hit, hit.level);
     const int face = probebake::index_of(hit.entry_face);
-    if (!faces.exposes(node.index, face)) {
-        if (node.array == ColorIndex::Array::kVoxels) return Rgb(0.0f);
-        return darkest_in_front(faces, node.index, hit) * scale;
+    if (!this->level(own.array).exposes(own.index, face)) {
+        if (own.array == ColorIndex::Array::kVoxels) return Rgb(0.0f);
+        return darkest_in_front(this->level(own.array), own.index, hit) * scale;
     }
-    const size_t own = faces.index_of(node.index, face);
-    if (faces.values[own] == 0) return Rgb(0.0f);
-    PackedRgb value = faces.values[own];
-    if (level != hit.level) {
-        const ColorIndex above = color_index(tree, hit, level);
-        const FaceLevel& faces_above = this->level(above.array);
-        value = faces_above.values[faces_above.index_of(above.index, face)];
-    }
+    const ColorIndex node = color_index(tree, hit, level);
+    const FaceLevel& faces = this->level(node.array);
+    const size_t at = faces.index_of(node.index, face);
     const float share =
-        faces.groups.empty() ? 1.0f : static_cast<float>(faces.groups[own].share) / FaceGroup::kAll;
-    return unpack_rgb(value) * (scale * share);
+        faces.groups.empty() ? 1.0f : static_cast<float>(faces.groups[at].share) / FaceGroup::kAll;
+    return unpack_rgb(faces.values[at]) * (scale * share);
 }
 
 }  // namespace probebake

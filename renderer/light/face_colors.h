@@ -5,8 +5,13 @@
 // and their share: value × share is the mean over all, each counting alike (the same voxel area),
 // so that radiance times area adds up to the same at every level.
 //
-// Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside, and a ray
-// that meets black faces shows black whatever the ancestor whose colour it takes.
+// Light does not leak: one value per direction keeps a sunlit one-voxel wall dark inside.
+//
+// A node is divided in a face direction where a ray may meet that side of it from two sides of a
+// wall, in light that differs by more than 1 : 16: floor of a closed room and sunlit ground
+// outside. The mean is right for neither; what is shown is finer (FaceColors::seen). Air that is
+// not joined within a node's block of 16³ voxels counts as two sides; above the blocks a node is
+// divided where anything in it fronts air so much darker than the direction's brightest face.
 //
 // A ray that stops at a node may enter it through a side that exposes nothing (flat ground is
 // entered from the side all the time). It is shown the darkest of what lies in front of its entry
@@ -49,6 +54,7 @@ struct FaceLevel {
     std::vector<uint32_t> first;    // per word
     std::vector<PackedRgb> values;  // per exposed face direction of a node
     std::vector<FaceGroup> groups;  // the same; empty for voxels
+    std::vector<uint8_t> divided;   // per node, bit f: in face direction f; empty for voxels
 
     uint64_t word(size_t node) const {
         uint64_t bits = 0;
@@ -63,7 +69,8 @@ struct FaceLevel {
     }
     uint64_t memory_bytes() const {
         return exposed.size() + first.size() * sizeof(uint32_t) +
-               values.size() * sizeof(PackedRgb) + groups.size() * sizeof(FaceGroup);
+               values.size() * sizeof(PackedRgb) + groups.size() * sizeof(FaceGroup) +
+               divided.size();
     }
     bool operator==(const FaceLevel&) const = default;
 };
@@ -80,8 +87,12 @@ struct FaceColors {
                                                       : nodes;
     }
 
-    /// What a ray sees of a hit in the colours of its ancestor at octree level `level` (hit.level:
-    /// the node hit itself): the ancestor's value times the share of the node hit.
+    /// What a ray of this direction sees of a hit in the colours of its ancestor at octree level
+    /// `level` (hit.level: the node hit itself): the mean over its faces of the direction met.
+    ///
+    /// A divided ancestor gives way to the next below it. A divided node that was hit is shown as
+    /// the first undivided one that the ray meets from there on: that stands in the ray's own air.
+    /// Where it meets none it leaves the world, and was in no room: it sees the node's mean.
     ///
     /// A node that does not expose the direction of the face that was met is a box that was met at
     /// a side without faces. Whatever the ray might have met below lies in front of hit.point, and
@@ -89,13 +100,25 @@ struct FaceColors {
     /// enters one through such a face. So the least of the darkest faces of the directions in front
     /// of hit.point is never brighter than something that is on this side of all walls; directions
     /// partly in front, partly behind count as black. A voxel's unexposed face is black.
-    Rgb seen(const VoxelTree& tree, const Hit& hit, int level) const;
+    /// The steps of that ray are added to `steps`.
+    Rgb seen(const VoxelTree& tree, const Vec3& direction, const Hit& hit, int level,
+             uint32_t& steps) const;
+    /// Whether the ancestor is divided in the direction of the face that was met.
+    bool divided(const VoxelTree& tree, const Hit& hit, int level) const {
+        if (level <= 0) return false;
+        const ColorIndex at = color_index(tree, hit, level);
+        const int face = probebake::index_of(hit.entry_face);
+        return ((this->level(at.array).divided[at.index] >> face) & 1u) != 0;
+    }
 
     uint64_t face_count() const { return voxels.values.size(); }
     uint64_t memory_bytes() const {
         return voxels.memory_bytes() + octants.memory_bytes() + nodes.memory_bytes();
     }
     bool operator==(const FaceColors&) const = default;
+
+  private:
+    Rgb value_of(const VoxelTree& tree, const Hit& hit, int level) const;
 };
 
 }  // namespace probebake

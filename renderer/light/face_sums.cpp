@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <span>
 #include <stdexcept>
 
 namespace probebake {
@@ -21,10 +22,68 @@ void index_values(FaceLevel& level) {
     level.values.resize(count);
 }
 
+void add_region(std::vector<RegionLight>& regions, const RegionLight& added) {
+    const auto same = std::find_if(regions.begin(), regions.end(),
+                                   [&](const RegionLight& r) { return r.region == added.region; });
+    if (same == regions.end()) {
+        regions.push_back(added);
+    } else {
+        same->faces = static_cast<uint8_t>(same->faces | added.faces);
+        same->brightest = std::max(same->brightest, added.brightest);
+    }
+}
+
+/// Whether a region lies before a side of a node.
+bool lies_before(const AirRegions& air, int region, const IVec3& corner, int edge, int face) {
+    const int axis = face / 2;
+    IVec3 at = corner;
+    at[axis] += face % 2 == 0 ? edge : -1;
+    for (int j = 0; j < edge; ++j) {
+        for (int i = 0; i < edge; ++i) {
+            at[(axis + 1) % 3] = corner[(axis + 1) % 3] + i;
+            at[(axis + 2) % 3] = corner[(axis + 2) % 3] + j;
+            if (air.of(at) == region) return true;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
+void FaceSums::add(const FaceSums& other) {
+    for (size_t f = 0; f < kFaceCount; ++f) groups[f].add(other.groups[f]);
+    for (const RegionLight& region : other.regions) add_region(regions, region);
+    dimmest = std::min(dimmest, other.dimmest);
+}
+
+void FaceSums::leave_block() {
+    if (regions.empty()) {
+        for (const Group& group : groups) {
+            if (group.count > 0) add_region(regions, {0, 0, group.brightest});
+        }
+    }
+    for (const RegionLight& region : regions) dimmest = std::min(dimmest, region.brightest);
+    regions.clear();
+}
+
+uint8_t divided_faces(const FaceSums& sums, const IVec3& corner, int edge, const AirRegions* air) {
+    unsigned divided = 0;
+    for (int face = 0; face < kFaceCount; ++face) {
+        const float much_darker = kDividedRatio * sums.groups[static_cast<size_t>(face)].brightest;
+        bool misleads = sums.dimmest < much_darker;
+        for (const RegionLight& region : sums.regions) {
+            if (!(region.brightest < much_darker)) continue;
+            misleads = misleads || ((region.faces >> face) & 1u) != 0 ||
+                       lies_before(*air, region.region, corner, edge, face);
+        }
+        if (misleads) divided |= 1u << face;
+    }
+    return static_cast<uint8_t>(divided);
+}
+
 FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
-                     const std::array<Rgb, kFaceCount>& radiance) {
+                     const std::array<Rgb, kFaceCount>& radiance,
+                     const std::array<int, kFaceCount>* region) {
     FaceSums sums;
     for (int face = 0; face < kFaceCount; ++face) {
         if (((exposed >> face) & 1u) == 0) continue;
@@ -34,8 +93,12 @@ FaceSums voxel_faces(const IVec3& position, uint8_t exposed,
                                                   .count = 1,
                                                   .lit = color == Rgb(0.0f) ? 0u : 1u,
                                                   .darkest = luminance(color),
+                                                  .brightest = luminance(color),
                                                   .low = plane,
                                                   .high = plane};
+        if (region == nullptr) continue;
+        add_region(sums.regions, {(*region)[static_cast<size_t>(face)],
+                                  static_cast<uint8_t>(1u << face), luminance(color)});
     }
     return sums;
 }
@@ -65,6 +128,8 @@ void lay_out(const VoxelTree& tree, FaceColors& colors) {
     index_values(colors.voxels);
     index_values(colors.octants);
     index_values(colors.nodes);
+    colors.octants.divided.resize(tree.octant_count());
+    colors.nodes.divided.resize(tree.nodes().size());
     colors.octants.groups.resize(colors.octants.values.size());
     colors.nodes.groups.resize(colors.nodes.values.size());
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "light/air_regions.h"
 #include "light/block_light.h"
 #include "light/face_sums.h"
 
@@ -128,24 +129,30 @@ class Stage {
     FaceSums store(const FaceBlock& block, const FaceIrradiance& light) {
         const uint32_t first = block.voxels().front().index;
         FaceColors& colors = out_.colors;
+        const AirRegions air(block);
         auto voxel_sums = [&](uint32_t index, const IVec3& position) {
             const uint8_t exposed = block.voxels()[index - first].exposed;
             std::array<Rgb, kFaceCount> radiance{};
-            for (size_t f = 0; f < kFaceCount; ++f) {
-                if (((exposed >> f) & 1u) == 0) continue;
+            std::array<int, kFaceCount> regions{};
+            for (int face = 0; face < kFaceCount; ++face) {
+                const auto f = static_cast<size_t>(face);
+                if (((exposed >> face) & 1u) == 0) continue;
                 radiance[f] = face_radiance(index, light[index - first][f]);
+                regions[f] = air.of(beside(position, face));
             }
-            const FaceSums sums = voxel_faces(position, exposed, radiance);
+            const FaceSums sums =
+                voxel_faces(position, exposed, radiance, air.count() > 1 ? &regions : nullptr);
             write_means(colors.voxels, index, sums, position, 1, colors.scale);
             return sums;
         };
-        if (block_level(tree_) == 0) {
-            return add_up(tree_, 0, block.node(), block.corner(), voxel_sums, colors);
-        }
         auto leaf_sums = [&](uint32_t index, const IVec3& corner) {
-            return add_up(tree_, 0, index, corner, voxel_sums, colors);
+            return add_up(tree_, 0, index, corner, &air, voxel_sums, colors);
         };
-        return add_up(tree_, 1, block.node(), block.corner(), leaf_sums, colors);
+        FaceSums sums = block_level(tree_) == 0 ? leaf_sums(block.node(), block.corner())
+                                                : add_up(tree_, 1, block.node(), block.corner(),
+                                                         &air, leaf_sums, colors);
+        sums.leave_block();
+        return sums;
     }
 
     Rgb face_radiance(uint32_t voxel, const Vec3& irradiance) const {
@@ -165,8 +172,9 @@ class Stage {
             auto child_sums = [&](uint32_t index, const IVec3&) -> const FaceSums& {
                 return below[index - first_below];
             };
-            sums[i] = add_up(tree_, k, first + static_cast<uint32_t>(i),
-                             morton_decode(codes[i]) * (4 << (2 * k)), child_sums, out_.colors);
+            sums[i] =
+                add_up(tree_, k, first + static_cast<uint32_t>(i),
+                       morton_decode(codes[i]) * (4 << (2 * k)), nullptr, child_sums, out_.colors);
         });
         return sums;
     }

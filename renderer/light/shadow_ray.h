@@ -29,6 +29,8 @@ struct ShadowSettings {
     double cone = 0.0;  // node edge per distance from the point; 0: voxels everywhere
     double threshold = kThesisThreshold;
     double decay = kThesisDecay;  // of kNode
+
+    bool operator==(const ShadowSettings&) const = default;
 };
 
 struct ShadowResult {

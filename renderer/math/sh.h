@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 
 #include "math/vec.h"
 
@@ -12,6 +13,19 @@ namespace probebake {
 
 inline constexpr int kShCount = 9;
 using Sh9 = std::array<double, kShCount>;
+
+/// Irradiance over radiance, coefficient by coefficient: π, 2π/3 and π/4 (Ramamoorthi and Hanrahan
+/// 2001).
+inline constexpr Sh9 kShIrradiance = [] {
+    Sh9 factors{};
+    for (size_t i = 0; i < factors.size(); ++i) {
+        factors[i] = std::numbers::pi * (i == 0 ? 1.0 : i < 4 ? 2.0 / 3.0 : 0.25);
+    }
+    return factors;
+}();
+/// Largest irradiance of radiance whose coefficients have length 1, over all normals:
+/// √Σ A_l² (2l + 1) / 4π (the addition theorem: Σ_m Y_lm² = (2l + 1) / 4π in every direction).
+inline constexpr double kShLargestIrradiance = 1.4415;
 
 /// The nine basis functions at the unit direction d.
 inline Sh9 sh_basis(const Vec3& d) {

@@ -13,7 +13,8 @@ struct CostStats {
     uint64_t rays = 0;            // whose colour is part of a pixel
     uint64_t discarded_rays = 0;  // cast, judged too coarse, replaced by finer ones
     uint64_t missed_rays = 0;     // of `rays`: those that met nothing within their range
-    uint64_t steps = 0;           // octree nodes entered, by kept and discarded rays
+    uint64_t steps = 0;           // octree nodes entered, by rays and by beams (start_list.h)
+    uint64_t box_tests = 0;       // start nodes that rays were tested against
     /// Kept rays that hit, by the octree level at which they stopped.
     std::array<uint64_t, kMaxDepth + 1> level_histogram{};
     double seconds = 0.0;  // summed over threads
@@ -24,6 +25,7 @@ struct CostStats {
     void keep(const Hit& hit) {
         ++rays;
         steps += hit.steps;
+        box_tests += hit.box_tests;
         if (hit) {
             ++level_histogram[static_cast<size_t>(hit.level)];
         } else {
@@ -33,12 +35,14 @@ struct CostStats {
     void discard(const Hit& hit) {
         ++discarded_rays;
         steps += hit.steps;
+        box_tests += hit.box_tests;
     }
 
     /// Counts everything of `other` as discarded.
     void discard_all(const CostStats& other) {
         discarded_rays += other.all_rays();
         steps += other.steps;
+        box_tests += other.box_tests;
     }
 
     CostStats& operator+=(const CostStats& other) {
@@ -46,6 +50,7 @@ struct CostStats {
         discarded_rays += other.discarded_rays;
         missed_rays += other.missed_rays;
         steps += other.steps;
+        box_tests += other.box_tests;
         for (size_t i = 0; i < level_histogram.size(); ++i) {
             level_histogram[i] += other.level_histogram[i];
         }

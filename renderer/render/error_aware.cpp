@@ -48,17 +48,17 @@ PixelSums refine_quadrants(const RenderScene& scene, const View& view, int x, in
     const double t_max = scene.range.t_max;
     for (int q = 0; q < 4; ++q) {
         const Vec2 at = quadrant_centre(x, y, q);
-        const Cast cast = coarse_ray(scene, view, at, 1, settings);
+        Cast cast = coarse_ray(scene, view, at, 1, settings);
         const double error = hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay);
         if (!needs_refinement(error, settings.threshold)) {
-            stats.keep(cast.hit);
             sums.add(shade(scene, cast.pixel.ray.direction, cast.hit), cast.hit.t, t_max, 1.0 / 4);
+            stats.keep(cast.hit);
             continue;
         }
         stats.discard(cast.hit);
-        quadrant_leaf_rays(scene, view, at, [&](const Vec3& direction, const Hit& hit) {
-            stats.keep(hit);
+        quadrant_leaf_rays(scene, view, at, [&](const Vec3& direction, Hit hit) {
             sums.add(shade(scene, direction, hit), hit.t, t_max, 1.0 / 16);
+            stats.keep(hit);
         });
     }
     return sums;
@@ -84,9 +84,9 @@ void add_cost(ReplayedPixel& pixel, const RefinementRecord::Rays& rays) {
 class RaysRecorder {
   public:
     RaysRecorder(const RenderScene& scene, CostStats& stats) : scene_(scene), stats_(stats) {}
-    void add(const Vec3& direction, const Hit& hit) {
-        stats_.keep(hit);
+    void add(const Vec3& direction, Hit hit) {
         const Vec3 color(shade(scene_, direction, hit));
+        stats_.keep(hit);
         rays_.color += color;
         rays_.square += color * color;
         rays_.steps += hit.steps;
@@ -117,9 +117,9 @@ double hit_error(const RenderScene& scene, const Vec3& direction, const Hit& hit
 
 FirstRay first_ray(const RenderScene& scene, const View& view, int x, int y,
                    const RenderSettings& settings) {
-    const Cast cast = coarse_ray(scene, view, {x, y}, 0, settings);
-    return {cast.hit, shade(scene, cast.pixel.ray.direction, cast.hit),
-            hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay)};
+    Cast cast = coarse_ray(scene, view, {x, y}, 0, settings);
+    const Rgb color = shade(scene, cast.pixel.ray.direction, cast.hit);
+    return {cast.hit, color, hit_error(scene, cast.pixel.ray.direction, cast.hit, settings.decay)};
 }
 
 PixelSums refine_pixel(const RenderScene& scene, const View& view, int x, int y,

@@ -1,14 +1,14 @@
 // What is predicted of a pixel's squared error by what its rays have shown so far.
 //
-// The hybrid renderer refines in stages of 1, 2×2, 4×4, 8×8 and 16×16 rays. After each stage the
-// error that is left is predicted as a sum of non-negative terms, each a variance in units of
-// radiance² (mean over R, G, B):
+// The hybrid renderer refines in stages (hybrid.h). After each stage the error that is left is
+// predicted as a sum of non-negative terms, each a variance in units of radiance² (mean over R, G,
+// B):
 //
 //   contrast         mean squared difference to the first rays of the neighbouring pixels
 //   child_variance   of the colours of the shown nodes' children: what their means hide
 //   passed_contrast  mean squared difference to the nodes that the level of detail would have
 //                    stopped at: large where rays slip past something into what is behind it
-//   ray_variance[s]  of the rays of stage s ≥ 1
+//   ray_variance[s]  of all rays up to stage s ≥ 1
 //   node_error       visibility error E_N of those nodes (node_error.h), a factor
 //
 // The coefficients were fitted on worlds named in docs/results/beyond.md, by maximum likelihood of

@@ -5,12 +5,17 @@
 // is prefiltered. (Müller 2020 stops the ray at that level, so that a node hides everything behind
 // it; 6.1 and 6.2 of its outlook point this way.)
 //
-//   stage 0   1 ray; then, where it pays,
-//   stage 1   2×2 rays, stage 2 4×4, stage 3 8×8, stage 4 16×16, each in place of the one before
+//   stage 0   1 ray through the pixel's middle; then, where it pays,
+//   stage 1   4 more, in the middles of its quarters,
+//   stage s   as many more as there are places left in a 2^s × 2^s grid whose cells hold one each
+//             (owen_sobol): 16, 48, 192
 //
-// It pays where predicted error / steps of the stage > price: error_model.h. All rays count, those
-// of replaced stages as discarded. The only thing a pixel knows of its neighbours is their first
-// rays.
+// All rays of a pixel count, and its colour is their plain mean: none is cast to be thrown away. It
+// pays where predicted error / rays of the next stage > price: error_model.h. The only thing a
+// pixel knows of its neighbours is their first rays.
+//
+// Rays start at the nodes that can lie on their way (start_list.h): of the beam of a tile of
+// pixels, found once, and, where 48 or more rays go through one pixel, of that pixel's own.
 #pragma once
 
 #include "render/error_model.h"
@@ -18,23 +23,42 @@
 
 namespace probebake {
 
-/// Rays per pixel side of a stage.
+/// The hybrid renderer up to its last stage.
+inline RenderSettings hybrid_at(double price) {
+    return {.kind = RendererKind::kHybrid, .leaf_grid = 16, .price = price};
+}
+
+/// Cells per pixel side of a stage.
 constexpr int stage_grid(int stage) { return 1 << stage; }
+/// Rays that a stage adds.
+constexpr int stage_rays(int stage) {
+    const int cells = stage_grid(stage) * stage_grid(stage);
+    return stage < 3 ? cells : cells - cells / 4;
+}
 
-/// One stage of a pixel: its rays, and what they add to the evidence.
-struct HybridStage {
-    PixelSums sums;
+/// A pixel after `stage`; −1: before its first ray.
+struct HybridPixel {
+    int stage = -1;
+    PixelSums sums;  // of weight 1 per ray
     CostStats cost;
-    double node_error = 0.0;  // of stages 0 and 1
-    double child_variance = 0.0;
-    double passed_contrast = 0.0;
-    double ray_variance = 0.0;
-    int8_t level = -1;  // shown by the last ray; −1 for a miss
-};
-HybridStage hybrid_stage(const RenderScene& scene, const View& view, int x, int y, int stage);
+    PixelEvidence evidence;
 
-/// Adds what a stage found.
-void add_evidence(PixelEvidence& evidence, int stage, const HybridStage& found);
+    Rgb color() const { return sums.scaled(1.0 / sums.samples).mean(); }
+};
+
+/// Where and with what a pixel's rays are cast.
+struct HybridCast {
+    const RenderScene& scene;
+    const View& view;
+    int x = 0;
+    int y = 0;
+    HybridSwitches switches;
+    /// Of a beam that holds the pixel's; null: the root.
+    const StartList* from = nullptr;
+};
+
+/// Casts the next stage.
+void cast_stage(const HybridCast& cast, HybridPixel& pixel);
 
 /// Mean squared difference of colour to the neighbours that there are, of a 3×3 block with the
 /// pixel in its middle; 0 without any.
@@ -44,35 +68,38 @@ struct Neighbour {
 };
 double neighbour_contrast(const std::array<Neighbour, 9>& block);
 
+/// The squared error that is expected to be left after a pixel's last stage.
+double expected_error(const HybridPixel& pixel);
+
 /// Whether a pixel goes on after a stage. A price below 0 has every pixel go on to the last stage
 /// that the settings' leaf grid allows.
-bool goes_on(int stage, const PixelEvidence& evidence, uint64_t stage_steps,
-             const RenderSettings& settings);
-/// What is compared with the price.
-double predicted_gain(int stage, const PixelEvidence& evidence, uint64_t stage_steps);
+bool goes_on(int stage, const PixelEvidence& evidence, const RenderSettings& settings);
+/// What is compared with the price; 0 after the last stage.
+double predicted_gain(int stage, const PixelEvidence& evidence);
 
 /// A pixel of known contrast, from its first ray to its last.
-PixelSums hybrid_pixel(const RenderScene& scene, const View& view, int x, int y, double contrast,
-                       const RenderSettings& settings, CostStats& stats);
+PixelSums hybrid_pixel(const HybridCast& cast, double contrast, const RenderSettings& settings,
+                       CostStats& stats);
 
-/// All stages that a pixel could go through, so that the outcome of any price is known without
-/// casting again: what the quality search works on.
+/// The stages that a pixel goes through at some price, so that the outcome of any price from that
+/// one up is known without casting again: what the quality search works on.
 struct HybridRecord {
     struct Stage {
         Vec3 color{0.0};
-        uint32_t rays = 0;
+        uint32_t rays = 0;  // up to this stage
         uint32_t steps = 0;
         double gain = 0.0;
     };
     std::array<Stage, kHybridStages> stages;
-    int recorded = 0;
-    PixelEvidence evidence;
+    HybridPixel pixel;
+
+    int recorded() const { return pixel.stage + 1; }
+    /// Of going on from the last recorded stage.
+    double gain() const { return stages[static_cast<size_t>(pixel.stage)].gain; }
 };
-/// Casts the next stage.
-void record_stage(const RenderScene& scene, const View& view, int x, int y, HybridRecord& record,
-                  CostStats& stats);
-/// As the renderer would have it, from a record that holds the stages up to the settings' leaf
-/// grid.
+/// Casts the next stage; its cost alone is added to `stats`.
+void record_stage(const HybridCast& cast, HybridRecord& record, CostStats& stats);
+/// As the renderer would have it, from a record that holds the stages it goes through.
 ReplayedPixel replay_hybrid(const HybridRecord& record, const RenderSettings& settings);
 
 }  // namespace probebake

@@ -9,24 +9,26 @@ namespace {
 /// Of the waiting pixels, how many go on in a round; and the fewest of a round.
 constexpr size_t kRoundShare = 4;
 constexpr size_t kMinRound = 1024;
+/// Side of a tile, whose rays share a start list.
+constexpr int kTile_px = 8;
 
 /// What is kept of a first ray until its neighbours have theirs.
 struct FirstRays {
     double node_error = 0.0;
     double child_variance = 0.0;
     double passed_contrast = 0.0;
+    double t = 0.0;
     uint32_t steps = 0;
-    int8_t level = -1;  // −1 for a miss
+    uint32_t box_tests = 0;
+    int level = -1;  // −1 for a miss
     bool rendered = false;
 };
 
-/// A pixel between two stages.
-struct Pixel {
+/// A pixel between two stages. Its cost is not counted yet.
+struct Waiting {
     int x = 0;
     int y = 0;
-    int stage = 0;
-    PixelEvidence evidence;
-    CostStats cost;  // of this stage, not counted yet
+    HybridPixel pixel;
     double gain = 0.0;
 };
 
@@ -48,7 +50,7 @@ class HybridView {
         } else {
             refine_all();
         }
-        out_.stats.seconds += first_pass.seconds;
+        out_.stats += first_pass;
         return std::move(out_);
     }
 
@@ -63,21 +65,63 @@ class HybridView {
                static_cast<size_t>(x);
     }
 
+    /// Of the tile that holds a pixel.
+    const StartList* list_at(int x, int y) const {
+        if (lists_.empty()) return nullptr;
+        return &lists_[static_cast<size_t>(y / kTile_px * tiles_across() + x / kTile_px)];
+    }
+    int tiles_across() const { return (view_.width_px + kTile_px - 1) / kTile_px; }
+    int tiles_down() const { return (view_.height_px + kTile_px - 1) / kTile_px; }
+
+    HybridCast cast_at(int x, int y) const {
+        return {scene_, view_, x, y, settings_.hybrid, list_at(x, y)};
+    }
+
+    /// Seconds and steps of the lists; the rays are counted with their pixels.
     CostStats cast_first_rays() {
-        const CostStats pass = for_each_row(view_.height_px, cancel_, [&](int y, CostStats&) {
-            for (int x = 0; x < view_.width_px; ++x) {
-                if (!renders(x, y)) continue;
-                const HybridStage found = hybrid_stage(scene_, view_, x, y, 0);
-                out_.store(x, y, found.sums);
-                first_color_.at(x, y) = found.sums.mean();
-                first_[index(x, y)] = {
-                    found.node_error,      found.child_variance,
-                    found.passed_contrast, static_cast<uint32_t>(found.cost.steps),
-                    found.level,           true};
+        const int tiles = tiles_across() * tiles_down();
+        if (settings_.hybrid.start_lists) lists_.resize(static_cast<size_t>(tiles));
+        const CostStats pass = for_each_row(tiles, cancel_, [&](int tile, CostStats& stats) {
+            const int x0 = tile % tiles_across() * kTile_px;
+            const int y0 = tile / tiles_across() * kTile_px;
+            const PixelRect rect{x0, y0, std::min(x0 + kTile_px, view_.width_px) - 1,
+                                 std::min(y0 + kTile_px, view_.height_px) - 1};
+            if (!lists_.empty()) {
+                StartList& list = lists_[static_cast<size_t>(tile)];
+                list = start_list(scene_.tree, pixel_beam(view_, rect, 1.0));
+                stats.steps += list.steps;
+            }
+            for (int y = rect.y0; y <= rect.y1; ++y) {
+                for (int x = rect.x0; x <= rect.x1; ++x) {
+                    if (renders(x, y)) cast_first_ray(x, y);
+                }
             }
         });
         for (const FirstRays& first : first_) out_.pixels += first.rendered ? 1 : 0;
         return pass;
+    }
+
+    void cast_first_ray(int x, int y) {
+        HybridPixel pixel;
+        cast_stage(cast_at(x, y), pixel);
+        store(x, y, pixel);
+        first_color_.at(x, y) = pixel.color();
+        FirstRays& first = first_[index(x, y)];
+        first = {.node_error = pixel.evidence.node_error[0],
+                 .child_variance = pixel.evidence.child_variance[0],
+                 .passed_contrast = pixel.evidence.passed_contrast[0],
+                 .t = pixel.sums.distance,
+                 .steps = static_cast<uint32_t>(pixel.cost.steps),
+                 .box_tests = static_cast<uint32_t>(pixel.cost.box_tests),
+                 .rendered = true};
+        for (size_t level = 0; level < pixel.cost.level_histogram.size(); ++level) {
+            if (pixel.cost.level_histogram[level] > 0) first.level = static_cast<int>(level);
+        }
+    }
+
+    void store(int x, int y, const HybridPixel& pixel) {
+        out_.store(x, y, pixel.sums.scaled(1.0 / pixel.sums.samples));
+        out_.aux[index(x, y)].predicted_error = static_cast<float>(expected_error(pixel));
     }
 
     double contrast(int x, int y) const {
@@ -94,84 +138,86 @@ class HybridView {
         return neighbour_contrast(block);
     }
 
-    Pixel after_first_ray(int x, int y) const {
+    HybridPixel after_first_ray(int x, int y) const {
         const FirstRays& first = first_[index(x, y)];
-        Pixel pixel{.x = x, .y = y};
+        HybridPixel pixel{.stage = 0};
         pixel.evidence.contrast = contrast(x, y);
         pixel.evidence.node_error[0] = first.node_error;
         pixel.evidence.child_variance[0] = first.child_variance;
         pixel.evidence.passed_contrast[0] = first.passed_contrast;
+        pixel.sums.add(first_color_.at(x, y), first.t, scene_.range.t_max, 1.0);
         Hit hit;
         hit.level = first.level;
         hit.steps = first.steps;
+        hit.box_tests = first.box_tests;
         pixel.cost.keep(hit);
         return pixel;
     }
 
-    bool goes_on(const Pixel& pixel) const {
-        return probebake::goes_on(pixel.stage, pixel.evidence, pixel.cost.steps, settings_);
-    }
-
-    /// Casts a pixel's next stage in place of the present one.
-    void advance(Pixel& pixel, CostStats& stats) {
-        stats.discard_all(pixel.cost);
-        const HybridStage found = hybrid_stage(scene_, view_, pixel.x, pixel.y, ++pixel.stage);
-        add_evidence(pixel.evidence, pixel.stage, found);
-        pixel.cost = found.cost;
-        out_.store(pixel.x, pixel.y, found.sums);
+    bool goes_on(const HybridPixel& pixel) const {
+        return probebake::goes_on(pixel.stage, pixel.evidence, settings_);
     }
 
     void refine_all() {
         out_.stats = for_each_row(view_.height_px, cancel_, [&](int y, CostStats& stats) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!first_[index(x, y)].rendered) continue;
-                Pixel pixel = after_first_ray(x, y);
-                while (goes_on(pixel)) advance(pixel, stats);
+                HybridPixel pixel = after_first_ray(x, y);
+                while (goes_on(pixel)) cast_stage(cast_at(x, y), pixel);
+                store(x, y, pixel);
                 stats += pixel.cost;
             }
         });
     }
 
     void refine_within(uint64_t ray_limit) {
-        std::vector<Pixel> waiting;
+        std::vector<Waiting> waiting;
         uint64_t spent = out_.pixels;
-        const auto wait_or_count = [&](Pixel& pixel) {
-            if (goes_on(pixel)) {
-                pixel.gain = predicted_gain(pixel.stage, pixel.evidence, pixel.cost.steps);
-                waiting.push_back(pixel);
+        const auto wait_or_count = [&](Waiting& at) {
+            if (goes_on(at.pixel)) {
+                at.gain = predicted_gain(at.pixel.stage, at.pixel.evidence);
+                waiting.push_back(at);
             } else {
-                out_.stats += pixel.cost;
+                out_.stats += at.pixel.cost;
             }
         };
         for (int y = 0; y < view_.height_px; ++y) {
             for (int x = 0; x < view_.width_px; ++x) {
                 if (!first_[index(x, y)].rendered) continue;
-                Pixel pixel = after_first_ray(x, y);
-                wait_or_count(pixel);
+                Waiting at{x, y, after_first_ray(x, y)};
+                wait_or_count(at);
             }
         }
         while (!waiting.empty()) {
             std::stable_sort(waiting.begin(), waiting.end(),
-                             [](const Pixel& a, const Pixel& b) { return a.gain > b.gain; });
+                             [](const Waiting& a, const Waiting& b) { return a.gain > b.gain; });
             const size_t wanted =
                 std::min(waiting.size(), std::max(kMinRound, waiting.size() / kRoundShare));
             size_t count = 0;
             for (; count < wanted; ++count) {
-                const auto grid = static_cast<uint64_t>(stage_grid(waiting[count].stage + 1));
-                if (spent + grid * grid > ray_limit) break;
-                spent += grid * grid;
+                const uint64_t rays = next_rays(waiting[count].pixel);
+                if (spent + rays > ray_limit) break;
+                spent += rays;
             }
             if (count == 0) break;
-            std::vector<Pixel> round(waiting.begin(),
-                                     waiting.begin() + static_cast<std::ptrdiff_t>(count));
+            std::vector<Waiting> round(waiting.begin(),
+                                       waiting.begin() + static_cast<std::ptrdiff_t>(count));
             waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count));
-            out_.stats += for_each_row(static_cast<int>(count), cancel_, [&](int i, CostStats& s) {
-                advance(round[static_cast<size_t>(i)], s);
+            out_.stats += for_each_row(static_cast<int>(count), cancel_, [&](int i, CostStats&) {
+                Waiting& at = round[static_cast<size_t>(i)];
+                cast_stage(cast_at(at.x, at.y), at.pixel);
+                store(at.x, at.y, at.pixel);
             });
-            for (Pixel& pixel : round) wait_or_count(pixel);
+            for (Waiting& at : round) wait_or_count(at);
         }
         out_.limited = !waiting.empty();
-        for (const Pixel& pixel : waiting) out_.stats += pixel.cost;
+        for (const Waiting& at : waiting) out_.stats += at.pixel.cost;
+    }
+
+    uint64_t next_rays(const HybridPixel& pixel) const {
+        const int grid = stage_grid(pixel.stage + 1);
+        return static_cast<uint64_t>(settings_.hybrid.nested_rays ? stage_rays(pixel.stage + 1)
+                                                                  : grid * grid);
     }
 
     const RenderScene& scene_;
@@ -179,6 +225,7 @@ class HybridView {
     const RenderSettings& settings_;
     const CancelToken& cancel_;
     ViewExtent extent_;
+    std::vector<StartList> lists_;  // of tiles, row by row
     std::vector<FirstRays> first_;
     Image first_color_;
     ViewRender out_;

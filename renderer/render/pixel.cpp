@@ -20,6 +20,17 @@ Vec3 variance_of_mean(const PixelSums& sums) {
 
 }  // namespace
 
+PixelSums PixelSums::scaled(double factor) const {
+    PixelSums sums = *this;
+    sums.color *= factor;
+    sums.distance *= factor;
+    sums.squared_distance *= factor;
+    sums.weight2 *= factor * factor;
+    sums.color_weight2 *= factor * factor;
+    sums.color2_weight2 *= factor * factor;
+    return sums;
+}
+
 Rgb PixelSums::standard_error() const { return Rgb(glm::sqrt(variance_of_mean(*this))); }
 
 double PixelSums::spread() const {
@@ -35,13 +46,28 @@ PixelRay pixel_ray(const View& view, double x, double y, double pixels) {
     return {{view.origin, direction / length}, std::numbers::sqrt2 * footprint_per_t};
 }
 
+Beam pixel_beam(const View& view, const PixelRect& rect, double pixels) {
+    const double left = rect.x0 - 0.5;
+    const double right = rect.x1 + 0.5;
+    const double top = rect.y0 - 0.5;
+    const double bottom = rect.y1 + 0.5;
+    const double side = std::max(right - left, bottom - top) * view.pixel_spacing();
+    const double middle_length =
+        glm::length(view.direction(0.5 * (left + right), 0.5 * (top + bottom)));
+    return {.origin = view.origin,
+            .edges = {view.direction(left, top), view.direction(right, top),
+                      view.direction(right, bottom), view.direction(left, bottom)},
+            .width = side / middle_length,
+            .cone = std::numbers::sqrt2 * pixels * view.pixel_spacing()};
+}
+
 PixelSums uniform_pixel(const RenderScene& scene, const View& view, int x, int y, int grid,
                         CostStats& stats, const LevelOfDetail& lod) {
     PixelSums sums;
     const double weight = 1.0 / (grid * grid);
-    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, const Hit& hit) {
-        stats.keep(hit);
+    for_each_grid_ray(scene, view, x, y, grid, lod, [&](const Vec3& direction, Hit hit) {
         sums.add(shade(scene, direction, hit), hit.t, scene.range.t_max, weight);
+        stats.keep(hit);
     });
     return sums;
 }
@@ -52,15 +78,15 @@ PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,
     const LevelOfDetail lod = settings.fixed_level
                                   ? LevelOfDetail{.fixed_level = *settings.fixed_level}
                                   : LevelOfDetail{.cone = cast.cone};
-    const Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
-    stats.keep(hit);
+    Hit hit = trace(scene.tree, cast.ray, lod, scene.range);
     PixelSums sums;
     sums.add(shade(scene, cast.ray.direction, hit), hit.t, scene.range.t_max, 1.0);
+    stats.keep(hit);
     return sums;
 }
 
 Rgb stratified_pixel(const RenderScene& scene, const View& view, int x, int y, int side,
-                     RandomStream& random, CostStats& stats) {
+                     const StartList& from, RandomStream& random, CostStats& stats) {
     Vec3 sum(0.0);
     for (int j = 0; j < side; ++j) {
         for (int i = 0; i < side; ++i) {
@@ -68,9 +94,9 @@ Rgb stratified_pixel(const RenderScene& scene, const View& view, int x, int y, i
             const double v = random.uniform();
             const PixelRay cast =
                 pixel_ray(view, x - 0.5 + (i + u) / side, y - 0.5 + (j + v) / side);
-            const Hit hit = trace(scene.tree, cast.ray, {}, scene.range);
-            stats.keep(hit);
+            Hit hit = trace(scene.tree, from, cast.ray, scene.range);
             sum += Vec3(shade(scene, cast.ray.direction, hit));
+            stats.keep(hit);
         }
     }
     return Rgb(sum / static_cast<double>(side * side));

@@ -10,6 +10,7 @@
 #include "render/cost_stats.h"
 #include "render/render_settings.h"
 #include "render/view.h"
+#include "voxels/start_list.h"
 
 namespace probebake {
 
@@ -21,6 +22,9 @@ struct RenderScene {
     TraceRange range;                 // voxels
     const FaceColors* lit = nullptr;  // radiance per face: takes the place of `color`
     const Sky* sky = nullptr;         // takes the place of `background`
+    /// Octree levels by which the hybrid renderer shows finer nodes than a ray's footprint: 1 where
+    /// shadows are sharp.
+    int finer_levels = 0;
 };
 
 /// Weighted sums over the kept rays of a pixel; the weights of a finished pixel add up to 1.
@@ -45,6 +49,8 @@ struct PixelSums {
         color_weight2 += Vec3(c) * w2;
         color2_weight2 += Vec3(c) * Vec3(c) * w2;
     }
+    /// With all weights multiplied.
+    PixelSums scaled(double factor) const;
     Rgb mean() const { return Rgb(color); }
     /// Standard error of `color` judged by the spread of the pixel's own rays; 0 for a single ray,
     /// which is no evidence of anything.
@@ -61,17 +67,22 @@ struct ReplayedPixel {
 };
 
 /// What a ray of this direction shows of the hit's ancestor at octree level `level` (hit.level: the
-/// node hit itself); for a miss, what lies behind the world.
-inline Rgb shade_at(const RenderScene& scene, const Vec3& direction, const Hit& hit, int level) {
+/// node hit itself); for a miss, what lies behind the world. The steps that it takes to know are
+/// added to the hit's (FaceColors::seen).
+inline Rgb shade_at(const RenderScene& scene, const Vec3& direction, Hit& hit, int level) {
     if (!hit) return scene.sky != nullptr ? scene.sky->radiance(direction) : scene.background;
-    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, hit, level);
+    if (scene.lit != nullptr) return scene.lit->seen(scene.tree, direction, hit, level, hit.steps);
     if (scene.color.empty()) return Rgb(0.0f);
     return scene.color[color_index(scene.tree, hit, level)];
 }
 
 /// The same of the node hit.
-inline Rgb shade(const RenderScene& scene, const Vec3& direction, const Hit& hit) {
+inline Rgb shade(const RenderScene& scene, const Vec3& direction, Hit& hit) {
     return shade_at(scene, direction, hit, hit.level);
+}
+/// The same, uncounted.
+inline Rgb shade(const RenderScene& scene, const Vec3& direction, Hit&& hit) {
+    return shade(scene, direction, hit);
 }
 
 /// A ray through a pixel and its cone: the largest node edge per distance that the footprint
@@ -82,6 +93,16 @@ struct PixelRay {
     double cone = 0.0;
 };
 PixelRay pixel_ray(const View& view, double x, double y, double pixels = 1.0);
+
+/// A rectangle of pixels, ends included.
+struct PixelRect {
+    int x0 = 0;
+    int y0 = 0;
+    int x1 = 0;
+    int y1 = 0;
+};
+/// The beam through the footprints of some pixels, for rays of footprints up to `pixels` wide.
+Beam pixel_beam(const View& view, const PixelRect& rect, double pixels);
 
 /// Calls visit(direction, hit) for grid × grid rays on the regular grid of the pixel's footprint.
 template <class Visit>
@@ -105,8 +126,9 @@ PixelSums lod_pixel(const RenderScene& scene, const View& view, int x, int y,
                     const RenderSettings& settings, CostStats& stats);
 
 /// The mean of side × side leaf rays, one uniform in each cell: an unbiased estimate of the truth,
-/// the mean leaf-level radiance over the footprint. Counted in `stats`.
+/// the mean leaf-level radiance over the footprint. `from`: the start list of the pixel's beam.
+/// Rays and their steps are counted in `stats`.
 Rgb stratified_pixel(const RenderScene& scene, const View& view, int x, int y, int side,
-                     RandomStream& random, CostStats& stats);
+                     const StartList& from, RandomStream& random, CostStats& stats);
 
 }  // namespace probebake

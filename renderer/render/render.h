@@ -21,6 +21,7 @@ struct PixelAux {
     float squared_distance = 0.0f;  // its mean square, voxels²
     Rgb standard_error{0.0f};       // PixelSums::standard_error
     float samples = 0.0f;           // kept rays
+    float predicted_error = 0.0f;   // squared error that the hybrid renderer expects to be left
 };
 
 struct ViewRender {

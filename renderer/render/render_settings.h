@@ -22,6 +22,17 @@ enum class MissesInKernel {
     kBlack,
 };
 
+/// Parts of the hybrid renderer, on but for the study that shows what each of them brings.
+struct HybridSwitches {
+    /// Rays start at the nodes that the beam of their tile or pixel can meet (start_list.h).
+    bool start_lists = true;
+    /// Stages add rays to those that there are, at nested places; off: regular grids, each in
+    /// place of the one before.
+    bool nested_rays = true;
+
+    bool operator==(const HybridSwitches&) const = default;
+};
+
 struct RenderSettings {
     RendererKind kind = RendererKind::kErrorAware;
     /// Error above which a ray is discarded and refined. Below 0 every ray is, misses too.
@@ -36,8 +47,9 @@ struct RenderSettings {
     /// R, G, B, in units of radiance) exceeds this.
     double spread = std::numeric_limits<double>::infinity();
     /// The hybrid renderer's: a pixel is refined while the squared error (radiance², mean over R,
-    /// G, B) that is predicted of it, per step of its rays, exceeds this.
+    /// G, B) that is predicted of it, per ray of the next stage, exceeds this.
     double price = 0.0;
+    HybridSwitches hybrid;
     /// Level of detail of the first ray: the pixel's footprint, or a fixed octree level (each
     /// refinement goes one level down).
     std::optional<int> fixed_level;

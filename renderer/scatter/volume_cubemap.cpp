@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "math/sobol.h"
+#include "math/sampling.h"
 
 namespace probebake {
 namespace {
@@ -79,8 +79,7 @@ class Renderer {
         PixelState& state = states_[i];
         const CubePixel pixel = pixel_at(i, n_);
         const auto index = static_cast<uint32_t>(state.samples);
-        const auto own = static_cast<uint32_t>(random_key({view_.key, i}));
-        const auto point = sobol_point(index, own);
+        const auto point = owen_sobol_4d(index, random_key({view_.key, i}));
         const double u = grid_coordinate(pixel.x + point[0] - 0.5, n_);
         const double v = grid_coordinate(pixel.y + point[1] - 0.5, n_);
         const Ray ray{view_.origin_m, glm::normalize(face_direction(pixel.face, u, v))};

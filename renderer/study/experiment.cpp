@@ -21,7 +21,7 @@ Json probe_params() { return {{"probes", kProbeCount}, {"face_px", kProbeFace_px
 
 Json thin_params() { return {{"shifts", 1024}}; }
 
-constexpr std::array<Experiment, 9> kExperiments = {{
+constexpr std::array<Experiment, 11> kExperiments = {{
     {"rendering", "Ray and step counts, classes, quality", on_views, no_params, run_rendering},
     {"threshold_decay", "Threshold and decay", on_terrains_and_worlds, no_params,
      run_threshold_decay},
@@ -31,6 +31,8 @@ constexpr std::array<Experiment, 9> kExperiments = {{
     {"probes", "Light probes", on_views, probe_params, run_probes},
     {"times_of_day", "Times of day", on_terrains, times_of_day_params, run_times_of_day},
     {"beam", "Cornell beam", on_cornell, no_params, run_beam},
+    {"shadow_rays", "Shadow rays", on_views, no_params, run_shadow_rays},
+    {"walls", "Walls between lit and dark", on_views, no_params, run_walls},
     {"thin", "Slackline and torch", on_thin_things, thin_params, run_thin},
 }};
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -55,6 +56,9 @@ struct ExperimentInput {
     const GlobalNormalisers& normalisers;
     /// Pictures go here, named after experiment and scene.
     std::filesystem::path picture_folder;
+    /// A part of a long experiment's result, kept in a file of its own as soon as it is known: an
+    /// interrupted run goes on behind it. Computed only where there is none yet.
+    std::function<Json(const std::string& name, const std::function<Json()>& compute)> part;
 };
 
 struct Experiment {

@@ -25,6 +25,10 @@ Json run_times_of_day(const ExperimentInput& input);
 Json times_of_day_params();
 /// Figures 3.4-3.6: the Cornell box's beam by shadow rays.
 Json run_beam(const ExperimentInput& input);
+/// Shadow rays by level of detail: steps and wrong answers.
+Json run_shadow_rays(const ExperimentInput& input);
+/// Nodes that stand on both sides of a wall.
+Json run_walls(const ExperimentInput& input);
 
 /// Rows {"renderer", counts, errors} of every renderer on a set of views, error-aware with the
 /// thesis's threshold and decay, adaptive with its steps and with the global normalisers.

@@ -3,6 +3,7 @@
 #include "error/node_error.h"
 #include "study/experiment.h"
 #include "study/report_comparisons.h"
+#include "study/report_light.h"
 
 namespace probebake::study {
 namespace {
@@ -315,6 +316,19 @@ std::vector<ReportSection> report_sections(const Json& results, bool with_thesis
                             "Shadow rays from the floor to the light behind the grating; level 1, "
                             "2, 3 from 64, 128, 256 voxels on.\n\n",
                             beam_tables(results["beam"])});
+    }
+    if (has("shadow_rays")) {
+        sections.push_back({"Shadow rays",
+                            "From random points of exposed faces; a node may block where its edge "
+                            "is at most cone · distance.\n\n",
+                            {shadow_rays_table(results["shadow_rays"])}});
+    }
+    if (has("walls")) {
+        sections.push_back({"Walls between lit and dark",
+                            "A node is divided where it holds faces on both sides of a wall whose "
+                            "light differs by more than 1 : 16; a ray is shown what is finer "
+                            "there. A low sun, a dim sky.\n\n",
+                            walls_tables(results["walls"])});
     }
     if (has("thin")) {
         sections.push_back({"Slackline and torch", "", {thin_table(results["thin"])}});

@@ -138,7 +138,19 @@ class StudyRun {
                 ++outcome_.found;
             } else {
                 progress(std::string(experiment.name) + ", " + scene.name);
-                result = experiment.run({work, normalisers_, params_.out / "pictures"});
+                const auto part = [&](const std::string& part_name,
+                                      const std::function<Json()>& compute) {
+                    const std::string file = name + "." + part_name;
+                    std::optional<Json> found = store_.find(file, key);
+                    if (!found) {
+                        progress(std::string(experiment.name) + ", " + scene.name + ", part " +
+                                 part_name);
+                        found = compute();
+                        store_.put(file, key, *found);
+                    }
+                    return *found;
+                };
+                result = experiment.run({work, normalisers_, params_.out / "pictures", part});
                 store_.put(name, key, *result);
                 ++outcome_.computed;
             }

@@ -3,6 +3,7 @@
 // renderer is shown with the settings it has in albedo, as in the thesis, and at equal steps. The
 // cost is that of the thesis, kThesisBudget.
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "error/node_error.h"
@@ -46,41 +47,61 @@ Json times_of_day_params() {
     return params;
 }
 
-Json run_times_of_day(const ExperimentInput& input) {
-    const Scene& scene = input.work.scene();
-    const RecordSet& albedo = input.work.nadir();
+namespace {
+
+/// What the other rows take over from albedo.
+Json albedo_settings(const RecordSet& albedo) {
     const auto budget =
         static_cast<uint64_t>(kThesisBudget * static_cast<double>(albedo.count(lod_outcome).steps));
     const double threshold = albedo.threshold_for_steps(budget, kThesisDecay);
-    const auto error_aware = [threshold](const PixelRecord& pixel) {
+    const uint64_t steps = albedo
+                               .count([threshold](const PixelRecord& pixel) {
+                                   return error_aware_outcome(pixel, threshold, kThesisDecay);
+                               })
+                               .steps;
+    const double normaliser = albedo.normaliser_for_steps(steps, MissesInKernel::kLeftOut);
+    return {{"threshold", threshold},
+            {"normaliser", std::isfinite(normaliser) ? Json(normaliser) : Json()}};
+}
+
+Json run_time(const ExperimentInput& input, size_t t, const Json& albedo) {
+    const Scene& scene = input.work.scene();
+    const LitScene lit = light_scene(scene.tree, sun_at(kTimes[t]), {.sun_rays = 1}, CancelToken());
+    RenderScene render = albedo_of(scene);
+    render.lit = &lit.colors;
+    const RecordSet set(render, study_view(scene, input.work.size()));
+    const double threshold = albedo["threshold"].get<double>();
+    const Measured measured = set.measure([threshold](const PixelRecord& pixel) {
         return error_aware_outcome(pixel, threshold, kThesisDecay);
+    });
+    Json row = {{"time", t},
+                {"elevation_deg", kTimes[t].elevation_deg},
+                {"azimuth_deg", kTimes[t].azimuth_deg},
+                {"luminance", mean_luminance(set.truth()[0])},
+                {"error_aware", write_measured(measured)}};
+    const auto add = [&](const char* name, double normaliser, MissesInKernel misses) {
+        row[name] = write_measured(set.measure(
+            [&](const PixelRecord& pixel) { return adaptive_outcome(pixel, normaliser, misses); }));
     };
-    const double albedo_normaliser =
-        albedo.normaliser_for_steps(albedo.count(error_aware).steps, MissesInKernel::kLeftOut);
-    const CancelToken cancel;
+    // JSON has no infinity.
+    const Json& normaliser = albedo["normaliser"];
+    add("adaptive_of_albedo",
+        normaliser.is_number() ? normaliser.get<double>() : std::numeric_limits<double>::infinity(),
+        MissesInKernel::kLeftOut);
+    for (const MissesInKernel misses : {MissesInKernel::kLeftOut, MissesInKernel::kBlack}) {
+        add(misses == MissesInKernel::kLeftOut ? "adaptive" : "adaptive_black",
+            set.normaliser_for_steps(measured.counts.steps, misses), misses);
+    }
+    return row;
+}
+
+}  // namespace
+
+Json run_times_of_day(const ExperimentInput& input) {
+    const Json albedo = input.part("albedo", [&] { return albedo_settings(input.work.nadir()); });
     Json rows = Json::array();
     for (size_t t = 0; t < kTimes.size(); ++t) {
-        const LitScene lit = light_scene(scene.tree, sun_at(kTimes[t]), {.sun_rays = 1}, cancel);
-        RenderScene render = albedo_of(scene);
-        render.lit = &lit.colors;
-        const RecordSet set(render, study_view(scene, input.work.size()));
-        const Measured measured = set.measure(error_aware);
-        Json row = {{"time", t},
-                    {"elevation_deg", kTimes[t].elevation_deg},
-                    {"azimuth_deg", kTimes[t].azimuth_deg},
-                    {"luminance", mean_luminance(set.truth()[0])},
-                    {"error_aware", write_measured(measured)}};
-        const auto add = [&](const char* name, double normaliser, MissesInKernel misses) {
-            row[name] = write_measured(set.measure([&](const PixelRecord& pixel) {
-                return adaptive_outcome(pixel, normaliser, misses);
-            }));
-        };
-        add("adaptive_of_albedo", albedo_normaliser, MissesInKernel::kLeftOut);
-        for (const MissesInKernel misses : {MissesInKernel::kLeftOut, MissesInKernel::kBlack}) {
-            add(misses == MissesInKernel::kLeftOut ? "adaptive" : "adaptive_black",
-                set.normaliser_for_steps(measured.counts.steps, misses), misses);
-        }
-        rows.push_back(std::move(row));
+        rows.push_back(input.part(std::to_string(t), [&] { return run_time(input, t, albedo); }));
     }
     return {{"rows", std::move(rows)}};
 }

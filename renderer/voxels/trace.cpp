@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <bit>
 
+#include "voxels/start_list.h"
+
 namespace probebake {
 namespace {
-
-/// Which octant of its parent the node of level `level` at `position` is.
-uint32_t octant_of(const IVec3& position, int level) {
-    return static_cast<uint32_t>(((position.x >> level) & 1) | (((position.y >> level) & 1) << 1) |
-                                 (((position.z >> level) & 1) << 2));
-}
 
 /// An octree node on the way down. Children are numbered along the ray: bit a of a child is set
 /// when it lies behind the mid-plane of axis a as the ray comes; child ^ mirror is its octant.
@@ -41,19 +37,57 @@ class Traversal {
     /// With `passed`, the first node that `lod` calls opaque is noted there and gone into.
     Hit run(const LevelOfDetail& lod, const TraceRange& range, StopRule* rule,
             Hit* passed = nullptr) {
-        Hit hit;
-        double t = t_enter_of({0, 0, 0}, 1 << depth_);
+        const double t = t_enter_of({0, 0, 0}, 1 << depth_);
         const double t_exit = t_exit_of({0, 0, 0}, 1 << depth_);
-        if (!(t < t_exit) || !(t_exit > range.t_min) || t > range.t_max) return hit;
+        if (!(t < t_exit) || !(t_exit > range.t_min) || t > range.t_max) return {};
         push_root(t, t_exit);
+        start_level_ = depth_;
+        Hit hit;
+        walk(t, lod, range, rule, passed, hit);
+        return hit;
+    }
 
-        int level = depth_;
+    /// The same from the nodes that are first on the way of a beam that the ray belongs to.
+    Hit run_from(const StartList& list, const LevelOfDetail& lod, const TraceRange& range,
+                 Hit* passed) {
+        uint32_t tests = 0;
+        Hit hit;
+        for (const StartNode& node : list.nodes) {
+            const Vec3 to_low = (node.low - origin_) * inverse_;
+            const Vec3 to_high = (node.high - origin_) * inverse_;
+            const Vec3 in = glm::min(to_low, to_high);
+            const Vec3 out = glm::max(to_low, to_high);
+            const double t = std::max({in.x, in.y, in.z});
+            const double t_exit = std::min({out.x, out.y, out.z});
+            ++tests;
+            if (!(t < t_exit) || !(t_exit > range.t_min)) continue;
+            if (t > range.t_max) break;
+            push_start(node, t, t_exit);
+            const bool opaque = node.level < depth_ && t >= range.t_min &&
+                                static_cast<double>(1 << node.level) <= lod.cone * t;
+            if (passed != nullptr && !*passed && opaque) {
+                describe(node.corner, node.level, t, *passed);
+                passed->path = node.path;
+            }
+            if (node.level < depth_) ++hit.steps;
+            walk(t, lod, range, nullptr, passed, hit);
+            if (hit) break;
+        }
+        hit.box_tests = tests;
+        return hit;
+    }
+
+  private:
+    /// From the start node on; adds to the steps of `hit`, which stays a miss where there is none.
+    void walk(double t, const LevelOfDetail& lod, const TraceRange& range, StopRule* rule,
+              Hit* passed, Hit& hit) {
+        int level = start_level_;
         for (;;) {
             Frame& frame = frames_[static_cast<size_t>(level)];
             const double child_exit = exit_of_current(frame);
             const uint32_t octant = frame.current ^ mirror_;
             if (((frame.children >> octant) & 1u) != 0 && child_exit > range.t_min) {
-                if (t > range.t_max) return hit;
+                if (t > range.t_max) return;
                 ++hit.steps;
                 const int child_level = level - 1;
                 const bool opaque = child_level <= lod.fixed_level ||
@@ -62,7 +96,7 @@ class Traversal {
                     if (passed != nullptr && !*passed) finish(frame, level, octant, t, *passed);
                     if (passed == nullptr || child_level == 0) {
                         finish(frame, level, octant, t, hit);
-                        if (rule == nullptr || child_level == 0 || rule->stops(hit)) return hit;
+                        if (rule == nullptr || child_level == 0 || rule->stops(hit)) return;
                         hit = Hit{.steps = hit.steps};
                     }
                 }
@@ -74,13 +108,12 @@ class Traversal {
             }
             t = child_exit;
             while (t >= frames_[static_cast<size_t>(level)].t_exit) {
-                if (++level > depth_) return hit;
+                if (++level > start_level_) return;
             }
             pass_planes(frames_[static_cast<size_t>(level)], t);
         }
     }
 
-  private:
     double t_of_plane(int axis, int plane) const {
         return (static_cast<double>(plane) - origin_[axis]) * inverse_[axis];
     }
@@ -138,6 +171,24 @@ class Traversal {
         open(frame, depth_, t);
     }
 
+    void push_start(const StartNode& start, double t, double t_exit) {
+        start_level_ = start.level;
+        above_start_ = &start.path;
+        Frame& frame = frames_[static_cast<size_t>(start.level)];
+        frame.t_exit = t_exit;
+        frame.corner = start.corner;
+        frame.node = start.path[static_cast<size_t>((start.level - 1) / 2)];
+        const uint64_t mask = nodes_[frame.node].mask;
+        if (start.level % 2 == 0) {
+            frame.octant = 0;
+            frame.children = nonzero_bytes(mask);
+        } else {
+            frame.octant = octant_of(start.corner, start.level);
+            frame.children = static_cast<uint32_t>((mask >> (8 * frame.octant)) & 0xFFu);
+        }
+        open(frame, start.level, t);
+    }
+
     void push_child(const Frame& parent, int level, uint32_t octant, double t, double t_exit) {
         const int child_level = level - 1;
         Frame& frame = frames_[static_cast<size_t>(child_level)];
@@ -159,14 +210,13 @@ class Traversal {
         open(frame, child_level, t);
     }
 
-    void finish(const Frame& frame, int level, uint32_t octant, double t, Hit& hit) const {
+    /// All of a hit but the way there.
+    void describe(const IVec3& corner, int level, double t, Hit& hit) const {
         hit.t = t;
         hit.point = origin_ + t * direction_;
-        hit.level = level - 1;
-        const int edge = 1 << hit.level;
-        for (int axis = 0; axis < 3; ++axis) {
-            hit.corner[axis] = frame.corner[axis] + (((octant >> axis) & 1u) != 0 ? edge : 0);
-        }
+        hit.level = level;
+        hit.corner = corner;
+        const int edge = 1 << level;
         int entry_axis = 0;
         double latest = t_enter_of_axis(hit.corner, edge, 0);
         for (int axis = 1; axis < 3; ++axis) {
@@ -178,9 +228,20 @@ class Traversal {
         }
         const uint32_t backward = (mirror_ >> entry_axis) & 1u;  // heading for −axis
         hit.entry_face = static_cast<CubeFace>(2 * entry_axis + (backward != 0 ? 0 : 1));
+    }
+
+    void finish(const Frame& frame, int level, uint32_t octant, double t, Hit& hit) const {
+        const int edge = 1 << (level - 1);
+        IVec3 corner = frame.corner;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (((octant >> axis) & 1u) != 0) corner[axis] += edge;
+        }
+        describe(corner, level - 1, t, hit);
+        if (above_start_ != nullptr) hit.path = *above_start_;
         // Node level k is octree level 2k + 2; frames 2k + 2 and 2k + 1 stand in the same node.
         for (int k = (depth_ - 1) / 2; k >= 0 && 2 * k + 2 > hit.level; --k) {
-            const int holder = std::min(2 * k + 2, depth_);
+            if (2 * k + 1 > start_level_) continue;
+            const int holder = std::min(2 * k + 2, start_level_);
             hit.path[static_cast<size_t>(k)] = frames_[static_cast<size_t>(holder)].node;
         }
         if (hit.level >= 2 && hit.level % 2 == 0) {
@@ -199,6 +260,8 @@ class Traversal {
     Vec3 inverse_{0.0};
     uint32_t mirror_ = 0;
     int depth_;
+    int start_level_ = 0;
+    const std::array<uint32_t, kMaxNodeLevels>* above_start_ = nullptr;
     std::array<Frame, kMaxDepth + 1> frames_;  // by octree level; set as they are entered
 };
 
@@ -232,6 +295,20 @@ HitBehind trace_through(const VoxelTree& tree, const Ray& ray, const LevelOfDeta
     hit.leaf = Traversal(tree, ray).run(lod, range, nullptr, &hit.node);
     hit.node.steps = hit.leaf.steps;
     return hit;
+}
+
+HitBehind trace_through(const VoxelTree& tree, const StartList& from, const Ray& ray,
+                        const LevelOfDetail& lod, const TraceRange& range) {
+    HitBehind hit;
+    if (!can_be_traced(tree, ray)) return hit;
+    hit.leaf = Traversal(tree, ray).run_from(from, lod, range, &hit.node);
+    hit.node.steps = hit.leaf.steps;
+    return hit;
+}
+
+Hit trace(const VoxelTree& tree, const StartList& from, const Ray& ray, const TraceRange& range) {
+    if (!can_be_traced(tree, ray)) return {};
+    return Traversal(tree, ray).run_from(from, {}, range, nullptr);
 }
 
 ColorIndex color_index(const VoxelTree& tree, const Hit& hit, int level) {

@@ -37,9 +37,10 @@ struct Hit {
     double t = std::numeric_limits<double>::infinity();  // voxels
     int level = -1;  // octree level of the node hit, 0 for a voxel; −1 for a miss
     CubeFace entry_face = CubeFace::kPosX;  // outward normal of the face that was met
-    uint32_t steps = 0;  // non-empty octree nodes entered below the root, whatever came of it
-    IVec3 corner{0};     // lowest voxel of the node hit
-    Vec3 point{0.0};     // where the ray meets the node, voxels
+    uint32_t steps = 0;      // non-empty octree nodes entered below the root, whatever came of it
+    uint32_t box_tests = 0;  // start nodes tested (start_list.h)
+    IVec3 corner{0};         // lowest voxel of the node hit
+    Vec3 point{0.0};         // where the ray meets the node, voxels
     /// Index of the ancestor (or the node itself) at each node level; valid from (level − 1) / 2
     /// up.
     std::array<uint32_t, kMaxNodeLevels> path{};

@@ -52,6 +52,12 @@ constexpr uint32_t rank_below(uint64_t mask, uint32_t bit) {
     return static_cast<uint32_t>(std::popcount(mask & ((uint64_t{1} << bit) - 1)));
 }
 
+/// Which octant of its parent the node of octree level `level` at `position` is.
+inline uint32_t octant_of(const IVec3& position, int level) {
+    return static_cast<uint32_t>(((position.x >> level) & 1) | (((position.y >> level) & 1) << 1) |
+                                 (((position.z >> level) & 1) << 2));
+}
+
 /// What a build cost.
 struct BuildStats {
     double sort_seconds = 0.0;

@@ -20,7 +20,8 @@ void add_preview_command(CLI::App& app, CommandWork& work);
 void add_scene_command(CLI::App& app, CommandWork& work);
 void add_serve_command(CLI::App& app, CommandWork& work);
 void add_study_command(CLI::App& app, CommandWork& work);
-void add_thesis_command(CLI::App& study_app, CommandWork& work);   // below study
-void add_volumes_command(CLI::App& study_app, CommandWork& work);  // likewise
+void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
+void add_beyond_command(CLI::App& study_app, CommandWork& work);
+void add_volumes_command(CLI::App& study_app, CommandWork& work);
 
 }  // namespace probebake

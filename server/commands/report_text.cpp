@@ -9,8 +9,14 @@ std::string number_or_dash(const Json& value, int decimals) {
     return value.is_number() ? fixed(value.get<double>(), decimals) : "-";
 }
 
-/// PSNR with its interval, e.g. "41.2 [40.3, 42.4]"; SSIM where that was the target.
-std::string error_text(const Json& error) {
+/// The target's figure with its interval, e.g. "41.2 [40.3, 42.4]": SSIM or irradiance_rel where
+/// that is the target, else PSNR.
+std::string error_text(const Json& error, const std::string& metric) {
+    if (metric == "irradiance_rel" && error.contains(metric)) {
+        return number_or_dash(error[metric], 4) + " [" +
+               number_or_dash(error["irradiance_rel_interval"][0], 4) + ", " +
+               number_or_dash(error["irradiance_rel_interval"][1], 4) + "]";
+    }
     if (error.contains("ssim")) {
         return number_or_dash(error["ssim"], 4) + " [" +
                number_or_dash(error["ssim_interval"][0], 4) + ", " +
@@ -38,13 +44,15 @@ std::string settings_text(const Json& settings) {
 std::string report_text(const Json& report, const std::vector<Json>& rows) {
     const Json& scene = report["scene"];
     const Json& target = report["target"];
+    const std::string metric = target["metric"];
     std::string text = "scene " + scene["name"].get<std::string>() + ": " +
                        grouped(scene["voxels"]) + " voxels, " + grouped(scene["octree_nodes"]) +
                        " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " +
                        target["metric"].get<std::string>() + " " + target["value"].dump() +
                        " against " + target["against"].get<std::string>() + "\n\n";
 
-    Table table({"probe/state", "result", "evidence", "dB or SSIM", "rays/px", "rays", "steps",
+    Table table({"probe/state", "result", "evidence",
+                 metric == "irradiance_rel" ? metric : "dB or SSIM", "rays/px", "rays", "steps",
                  "seconds", "settings"});
     for (const Json& row : rows) {
         const Json& cost = row["cost"];
@@ -52,7 +60,7 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
                               cost["render"]["discarded_rays"].get<uint64_t>();
         table.add(
             {row["probe"].get<std::string>() + "/" + row["state"].get<std::string>(), row["result"],
-             row["evidence"], row.contains("error") ? error_text(row["error"]) : "-",
+             row["evidence"], row.contains("error") ? error_text(row["error"], metric) : "-",
              fixed(cost["rays_per_pixel"], 2), grouped(rays), grouped(cost["render"]["steps"]),
              fixed(cost["render"]["seconds"], 3), settings_text(row["settings"])});
     }
@@ -61,7 +69,8 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
     for (const Json& state : report["states"]) {
         const Json& cost = state["cost"];
         text += state["state"].get<std::string>() + ": ";
-        if (state.contains("error")) text += "all probes " + error_text(state["error"]) + ", ";
+        if (state.contains("error"))
+            text += "all probes " + error_text(state["error"], metric) + ", ";
         text += "pilot " + fixed(100.0 * cost["pilot_steps_over_render"].get<double>(), 1) +
                 " % and audit " + fixed(100.0 * cost["audit_steps_over_render"].get<double>(), 1) +
                 " % of the render's steps\n";

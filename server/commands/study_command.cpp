@@ -90,6 +90,7 @@ void add_study_command(CLI::App& app, CommandWork& work) {
     auto* study = app.add_subcommand("study", "Recompute what the underlying documents report");
     study->require_subcommand(1);
     add_thesis_command(*study, work);
+    add_beyond_command(*study, work);
     add_volumes_command(*study, work);
     auto* command = study->add_subcommand(
         "error-table",

@@ -135,7 +135,9 @@ void Api::file(const Call& call) {
         call.response.status = 304;
         return;
     }
-    answer_file(std::move(found->content), "image/x-exr", call.response);
+    const bool json = found->file.name.ends_with(".json");
+    answer_file(std::move(found->content), json ? "application/json" : "image/x-exr",
+                call.response);
 }
 
 }  // namespace probebake

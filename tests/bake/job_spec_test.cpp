@@ -103,7 +103,7 @@ TEST(JobSpec, SaysWhereAndWhatWasExpected) {
          "422 /lighting_states: expected at least one state"},
         {with("/lighting_states", {"albedo", "albedo"}), "422 /lighting_states/1: the state"},
         {with("/lighting_states", {"noon"}), "422 /lighting_states/0: expected \"albedo\""},
-        {with("/products", {"aux"}), "422 /products: expected \"cube\""},
+        {with("/products", Json::array()), "422 /products: expected at least one of \"cube\""},
         {with("/probes/list/1/id", "p0"),
          "422 /probes/list/1/id: the probe id \"p0\" is used twice"},
         {with("/probes/list/0/position_m", {1, 2}),

@@ -8,6 +8,7 @@
 #include "bake/bake_fixture.h"
 #include "bake/pilot.h"
 #include "bake/probe_view.h"
+#include "scene/generators/generators.h"
 
 namespace probebake {
 namespace {
@@ -56,18 +57,27 @@ TEST(LightingState, IsReadWithItsDefaults) {
     EXPECT_EQ(std::get<Rgb>(day.sky->what), Rgb(10.0f, 20.0f, 30.0f));
     EXPECT_EQ(day.sky->rays, 64);
     EXPECT_EQ(day.sky->gather_m, 1.0);
+    EXPECT_EQ(day.radiance_per, RadiancePer::kFace);
+    // Shadow rays go to the voxels; given a cone, what blocks must be solid throughout.
+    EXPECT_EQ(day.shadows.cone, 0.0);
+    EXPECT_EQ(day.shadows.lod, ShadowLod::kSubtree);
+    EXPECT_EQ(day.shadows.threshold, kThesisThreshold);
+    EXPECT_EQ(day.shadows.decay, kThesisDecay);
 }
 
 TEST(LightingState, TheEffectiveRequestReadsBackAsTheSameJob) {
-    const Json gradient = {{"id", "dusk"},
-                           {"emission", false},
-                           {"sky",
-                            {{"type", "gradient"},
-                             {"zenith_w_m2_sr", {1, 2, 3}},
-                             {"horizon_w_m2_sr", {4, 5, 6}},
-                             {"ground_w_m2_sr", {0, 0, 0}},
-                             {"rays", 16},
-                             {"gather_m", 2.5}}}};
+    const Json gradient = {
+        {"id", "dusk"},
+        {"emission", false},
+        {"radiance_per", "voxel"},
+        {"shadows", {{"lod", "node"}, {"cone", 0.125}, {"threshold", 0.2}, {"decay", 1.0}}},
+        {"sky",
+         {{"type", "gradient"},
+          {"zenith_w_m2_sr", {1, 2, 3}},
+          {"horizon_w_m2_sr", {4, 5, 6}},
+          {"ground_w_m2_sr", {0, 0, 0}},
+          {"rays", 16},
+          {"gather_m", 2.5}}}};
     const Json picture = {
         {"id", "beach"},
         {"sky",
@@ -76,6 +86,8 @@ TEST(LightingState, TheEffectiveRequestReadsBackAsTheSameJob) {
     const JobSpec job = read_job(request_with({kDay, gradient, picture, lamps, "albedo"}));
     const JobSpec again = read_job(write_job(job));
     EXPECT_EQ(again.states, job.states);
+    EXPECT_EQ(again.states[1].radiance_per, RadiancePer::kVoxel);
+    EXPECT_EQ(again.states[1].shadows, (ShadowSettings{ShadowLod::kNode, 0.125, 0.2, 1.0}));
     EXPECT_EQ(write_job(again), write_job(job));
 }
 
@@ -98,6 +110,12 @@ TEST(LightingState, ProblemsAreNamedByTheirPointer) {
               "/lighting_states/0/sun/colour:");
     EXPECT_EQ(problem_of(day_with("/sky/type", "sunset")).substr(0, 28),
               "/lighting_states/0/sky/type:");
+    EXPECT_EQ(problem_of(day_with("/radiance_per", "wall")).substr(0, 32),
+              "/lighting_states/0/radiance_per:");
+    EXPECT_EQ(problem_of(day_with("/shadows/lod", "soft")).substr(0, 31),
+              "/lighting_states/0/shadows/lod:");
+    EXPECT_EQ(problem_of(day_with("/shadows/cone", 1.5)).substr(0, 32),
+              "/lighting_states/0/shadows/cone:");
     for (const char* file : {"../secret.hdr", "/etc/passwd", ".hidden.exr", "a/b.exr", ""}) {
         const Json sky = {{"type", "equirect"}, {"file", file}};
         EXPECT_EQ(problem_of(day_with("/sky", sky)).substr(0, 28), "/lighting_states/0/sky/file:")
@@ -145,11 +163,63 @@ TEST(LightingState, AMissShowsTheSkyAndAHitItsLight) {
     const RenderScene what = render_scene(scene, job.probes[0], state);
     const Vec3 up(0.0, 1.0, 0.0);
     EXPECT_EQ(shade(what, up, Hit{}), Rgb(10.0f, 20.0f, 30.0f));
-    const Hit ground = trace(scene.tree, {test::kSmallWorldProbe, -up});
+    Hit ground = trace(scene.tree, {test::kSmallWorldProbe, -up});
     ASSERT_TRUE(ground);
     EXPECT_GT(luminance(shade(what, -up, ground)), 1.0f);
     EXPECT_GT(state.light->cost.sun_rays, 0u);
-    EXPECT_LE(state.light->cost.memory_bytes, 2 * expected_light_bytes(scene));
+}
+
+/// Distance closes the small world's net above the ground, the two other ways keep it open.
+TEST(LightingState, ShadowRaysFollowTheStatesLevelOfDetail) {
+    const Scene scene = test::small_scene();
+    const auto light_with = [&](const Json& shadows) {
+        Json day = kDay;
+        day["shadows"] = shadows;
+        const JobSpec job = read_job(request_with(Json::array({day})));
+        const ReadyState state = light_state(scene, job, 0, CancelToken());
+        const FaceLevel& voxels = state.light->colors.voxels;
+        double sum = 0.0;
+        for (const PackedRgb value : voxels.values) {
+            sum += double{luminance(unpack_rgb(value) * state.light->colors.scale)};
+        }
+        return sum;
+    };
+    const double voxels = light_with(Json::object());
+    const double subtree = light_with({{"lod", "subtree"}, {"cone", 0.2}});
+    const double distance = light_with({{"lod", "distance"}, {"cone", 0.2}});
+    EXPECT_NEAR(subtree / voxels, 1.0, 0.02);
+    EXPECT_LT(distance / voxels, 0.9);
+}
+
+TEST(LightingState, OneValuePerVoxelIsRenderedLikeAColour) {
+    const Scene scene = test::small_scene();
+    const JobSpec job = read_job(request_with(day_with("/radiance_per", "voxel")));
+    const ReadyState state = light_state(scene, job, 0, CancelToken());
+    const RenderScene what = render_scene(scene, job.probes[0], state);
+    EXPECT_EQ(what.lit, nullptr);
+    Hit ground = trace(scene.tree, {test::kSmallWorldProbe, {0.0, -1.0, 0.0}});
+    ASSERT_TRUE(ground);
+    // The same whichever face is met.
+    Hit from_below = ground;
+    from_below.entry_face = CubeFace::kNegY;
+    EXPECT_GT(luminance(shade(what, {0.0, -1.0, 0.0}, ground)), 1.0f);
+    EXPECT_EQ(shade(what, {0.0, 1.0, 0.0}, from_below), shade(what, {0.0, -1.0, 0.0}, ground));
+    EXPECT_EQ(state.light->cost.memory_bytes, expected_light_bytes(scene, job));
+}
+
+TEST(LightingState, ItsMemoryIsForeseen) {
+    for (const GeneratorInfo& info : generators()) {
+        if (info.min_size > 128) continue;
+        Scene scene = test::small_scene();
+        scene.tree = VoxelTree::build(generate({.name = std::string(info.name), .size = 128}));
+        const JobSpec job =
+            read_job(request_with(Json::array({{{"id", "noon"}, {"sun", kDay["sun"]}}})));
+        const ReadyState state = light_state(scene, job, 0, CancelToken());
+        const double ratio = static_cast<double>(expected_light_bytes(scene, job)) /
+                             static_cast<double>(state.light->cost.memory_bytes);
+        EXPECT_GT(ratio, 0.8) << info.name;
+        EXPECT_LT(ratio, 1.25) << info.name;
+    }
 }
 
 }  // namespace

@@ -95,6 +95,25 @@ TEST_F(PilotTest, TheReplayedSearchIsWhatTheRendererDoes) {
     }
 }
 
+TEST_F(PilotTest, ReplayedPricesAreWhatTheHybridRendererDoes) {
+    const JobSpec job = test::small_job(2, {{"psnr_db", 34.0}});
+    PilotSample pixels(scene_, job, LightingState::kAlbedo, cancel_);
+    uint64_t rays = 0;
+    for (const double lowest : {1e-3, 1e-5, -1.0}) {
+        pixels.extend_hybrid(lowest);
+        EXPECT_GT(pixels.search_cost().rays, rays);
+        rays = pixels.search_cost().rays;
+        for (const RenderSettings& settings : hybrid_settings(pixels.sample(), lowest)) {
+            const Candidate replayed = evaluate(pixels.sample(), settings);
+            const CurvePoint rendered = pixels.render(settings);
+            const auto n = static_cast<double>(pixels.sample().pixels.size());
+            ASSERT_DOUBLE_EQ(replayed.rays_per_pixel * n, static_cast<double>(rendered.rays));
+            ASSERT_DOUBLE_EQ(replayed.steps_per_pixel * n, static_cast<double>(rendered.steps));
+            ASSERT_NEAR(replayed.error.mse.value, rendered.error.mse.value, 1e-9);
+        }
+    }
+}
+
 TEST_F(PilotTest, AdaptiveIsSearchedByItsNormaliser) {
     Json request = test::small_request(3, {{"psnr_db", 22.0}});
     request["quality"]["renderer"] = "adaptive";

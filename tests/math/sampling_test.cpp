@@ -68,5 +68,54 @@ TEST(Sampling, CorrelatedMultiJitterFillsCellsAndStrips) {
     }
 }
 
+TEST(Sampling, OwenSobolGrowsFromGridToGrid) {
+    std::array<double, 16> place{};
+    for (uint64_t run = 0; run < 64; ++run) {
+        const uint64_t key = random_key({3, run});
+        for (int side = 1; side <= 32; side *= 2) {
+            std::set<std::pair<int, int>> cells;
+            std::set<int> columns;
+            std::set<int> rows;
+            const int count = side * side;
+            for (int i = 0; i < count; ++i) {
+                const Vec2 p = owen_sobol(static_cast<uint32_t>(i), key);
+                ASSERT_GE(std::min(p.x, p.y), 0.0);
+                ASSERT_LT(std::max(p.x, p.y), 1.0);
+                cells.insert({static_cast<int>(p.x * side), static_cast<int>(p.y * side)});
+                columns.insert(static_cast<int>(p.x * count));
+                rows.insert(static_cast<int>(p.y * count));
+            }
+            ASSERT_EQ(cells.size(), static_cast<size_t>(count));
+            ASSERT_EQ(columns.size(), static_cast<size_t>(count));
+            ASSERT_EQ(rows.size(), static_cast<size_t>(count));
+        }
+    }
+    // Every point is uniform over the keys: 4 × 4 cells, 15 degrees of freedom, for a few indices.
+    constexpr int kKeys = 16'000;
+    for (const uint32_t index : {0u, 1u, 5u, 63u, 200u}) {
+        place.fill(0.0);
+        for (int k = 0; k < kKeys; ++k) {
+            const Vec2 p = owen_sobol(index, random_key({4, static_cast<uint64_t>(k)}));
+            place[static_cast<size_t>(p.x * 4) * 4 + static_cast<size_t>(p.y * 4)] += 1.0;
+        }
+        double chi2 = 0.0;
+        for (const double n : place) chi2 += (n - kKeys / 16.0) * (n - kKeys / 16.0) * 16.0 / kKeys;
+        EXPECT_LT(chi2, 45.0) << index;  // exceeded once in 10^4
+    }
+}
+
+TEST(Sampling, EveryDimensionOfOwenSobolIsStratified) {
+    for (uint64_t run = 0; run < 16; ++run) {
+        const uint64_t key = random_key({5, run});
+        std::array<std::set<int>, 4> strata;
+        for (uint32_t i = 0; i < 256; ++i) {
+            const std::array<double, 4> p = owen_sobol_4d(i, key);
+            for (size_t d = 0; d < 4; ++d) strata[d].insert(static_cast<int>(p[d] * 256.0));
+            ASSERT_EQ(Vec2(p[0], p[1]), owen_sobol(i, key));
+        }
+        for (const std::set<int>& hit : strata) EXPECT_EQ(hit.size(), 256u);
+    }
+}
+
 }  // namespace
 }  // namespace probebake

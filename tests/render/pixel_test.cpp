@@ -55,11 +55,12 @@ TEST(StratifiedPixel, IsAnUnbiasedEstimateOfTheFootprintsMean) {
     CostStats stats;
     for (const auto& [x, y] : {std::pair{3, 2}, std::pair{5, 6}, std::pair{0, 7}}) {
         const Vec3 truth = uniform_pixel(scene, view, x, y, 256, stats).color;
+        const StartList from = start_list(tree, pixel_beam(view, {x, y, x, y}, 1.0));
         double sum = 0.0;
         double sum2 = 0.0;
         for (int run = 0; run < kRuns; ++run) {
             RandomStream random(random_key({5, static_cast<uint64_t>(run)}));
-            const double value = stratified_pixel(scene, view, x, y, 4, random, stats).g;
+            const double value = stratified_pixel(scene, view, x, y, 4, from, random, stats).g;
             sum += value;
             sum2 += value * value;
         }

@@ -2,7 +2,6 @@
 
 #include <numbers>
 
-#include "math/sobol.h"
 #include "scatter/scatter_fixture.h"
 #include "volume/phase.h"
 
@@ -251,25 +250,6 @@ TEST(SkySampler, DensitiesAreThoseOfTheSamples) {
     EXPECT_NEAR(density.mean(), 1.0, 4.0 * sigma(density));
     EXPECT_LT(sigma(by_importance), 0.5 * sigma(uniform));
     EXPECT_TRUE(SkySampler(Sky(Rgb(1.0f))).empty());
-}
-
-TEST(Sobol, PointsAreStratified) {
-    for (const uint32_t seed : {1u, 2u, 77u}) {
-        for (size_t d = 0; d < kSobolDimensions; ++d) {
-            std::array<int, 256> hits{};
-            for (uint32_t i = 0; i < 256; ++i) {
-                ++hits[static_cast<size_t>(sobol_point(i, seed)[d] * 256.0)];
-            }
-            for (const int n : hits) EXPECT_EQ(n, 1);
-        }
-        // The first two dimensions: one point in each of 16 × 16 cells.
-        std::array<int, 256> cells{};
-        for (uint32_t i = 0; i < 256; ++i) {
-            const auto p = sobol_point(i, seed);
-            ++cells[static_cast<size_t>(p[0] * 16.0) * 16 + static_cast<size_t>(p[1] * 16.0)];
-        }
-        for (const int n : cells) EXPECT_EQ(n, 1);
-    }
 }
 
 }  // namespace

@@ -63,6 +63,27 @@ TEST(Api, AJobGoesAllTheWay) {
     }
 }
 
+TEST(Api, AJobForSphericalHarmonicsHasNoCube) {
+    RunningService service;
+    Json request = test::net_request(2);
+    request["products"] = {"sh"};
+    request["quality"]["targets"] = {{"irradiance_rel", 0.5}};
+    const std::string id = service.bake(request);
+    for (const char* probe : {"p0", "p1"}) {
+        const std::string folder = "/v1/bakes/" + id + "/probes/" + probe + "/albedo/";
+        EXPECT_EQ(service.get(folder + "cube.exr").status, 404);
+        const Answer sh = service.get(folder + "sh.json");
+        ASSERT_EQ(sh.status, 200);
+        EXPECT_EQ(sh.header("Content-Type"), "application/json");
+        EXPECT_EQ(sh.json().at("probe"), probe);
+        EXPECT_EQ(sh.json().at("rgb").size(), 9U);
+    }
+    const Json report = service.get("/v1/bakes/" + id + "/report").json();
+    EXPECT_EQ(report.at("target").at("metric"), "irradiance_rel");
+    EXPECT_EQ(report.at("states")[0].at("results"), (Json{{"target_met", 2}}));
+    EXPECT_TRUE(report.at("states")[0].at("error").contains("irradiance_rel_interval"));
+}
+
 TEST(Api, FilesAreComparedByTheirTag) {
     RunningService service;
     const std::string id = service.bake(test::net_request(1));

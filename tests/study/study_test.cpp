@@ -66,6 +66,24 @@ TEST_F(StudyTest, ASecondRunComputesNothing) {
     EXPECT_EQ(run().computed, 1u);
 }
 
+TEST_F(StudyTest, AnInterruptedTimeOfDayGoesOnBehindTheLastOne) {
+    params_.scenes = {"desert"};
+    params_.experiments = {"times_of_day"};
+    const StudyOutcome first = run();
+    ASSERT_EQ(first.results["times_of_day"]["desert"]["rows"].size(), 4u);
+    // As an interruption in the third of four times leaves it.
+    std::filesystem::remove(params_.out / "results/times_of_day-desert.json");
+    std::filesystem::remove(params_.out / "results/times_of_day-desert.2.json");
+    std::filesystem::remove(params_.out / "results/times_of_day-desert.3.json");
+    std::vector<std::string> computed;
+    const StudyOutcome second =
+        run_study(params_, [&](const StudyProgress& p) { computed.push_back(p.what); });
+    EXPECT_EQ(second.results, first.results);
+    EXPECT_EQ(computed,
+              (std::vector<std::string>{"times_of_day, desert", "times_of_day, desert, part 2",
+                                        "times_of_day, desert, part 3"}));
+}
+
 TEST_F(StudyTest, FiguresAreOrderedAsTheyMustBe) {
     const StudyOutcome outcome = run();
     const Json& rows = outcome.results["thresholds"]["desert"]["rows"];

@@ -1,0 +1,73 @@
+#include "bake/sh_file.h"
+
+#include <algorithm>
+
+#include "io/json.h"
+
+namespace probebake {
+namespace {
+
+constexpr std::array kCoefficientNames = {"L00",  "L1-1", "L10", "L11", "L2-2",
+                                          "L2-1", "L20",  "L21", "L22"};
+
+Json write_rgb(const Vec3& c) { return {c.r, c.g, c.b}; }
+
+Json write_coefficients(const ShRgb& coefficients) {
+    Json json = Json::array();
+    for (const Vec3& c : coefficients) json.push_back(write_rgb(c));
+    return json;
+}
+
+Json write_interval(const Interval& interval) { return {interval.low, interval.high}; }
+
+Json write_audit(const ShFile& file) {
+    const ShAudit& audit = *file.audit;
+    const NormEstimate relative = relative_irradiance(audit, file.radiance);
+    Vec3 largest;
+    for (size_t c = 0; c < audit.channels.size(); ++c) {
+        const double norm = audit.channels[c].interval(file.confidence).high;
+        largest[static_cast<int>(c)] = kShLargestIrradiance * norm;
+    }
+    return {{"draws", audit.draws},
+            {"confidence", file.confidence},
+            {"difference", write_coefficients(audit.difference)},
+            {"standard_error", write_coefficients(audit.standard_error)},
+            {"irradiance_rel", relative.value()},
+            {"irradiance_rel_interval", write_interval(relative.interval(file.confidence))},
+            {"irradiance_off_by_at_most", write_rgb(largest)}};
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_sh(const ShFile& file) {
+    const ProbeAttributes& probe = file.probe;
+    const bool albedo = probe.unit == "1";
+    const Vec3& p = probe.position_m;
+    Json json = {{"product", "sh"},
+                 {"owner", probe.owner},
+                 {"probe", probe.id},
+                 {"state", probe.state},
+                 {"position_m", {p.x, p.y, p.z}},
+                 {"near_m", probe.near_m},
+                 {"far_m", probe.far_m},
+                 {"valid", probe.valid},
+                 {"scene_sha256", probe.scene_sha256},
+                 {"seed", probe.seed},
+                 {"quantity", albedo ? "albedo" : "radiance"},
+                 {"unit", probe.unit},
+                 {"primaries", "linear Rec.709, D65"},
+                 {"axes", "right-handed, +Y up"},
+                 {"basis", "real, orthonormal, no Condon-Shortley sign"},
+                 {"order", 2},
+                 {"coefficients", kCoefficientNames},
+                 {"rgb", write_coefficients(file.radiance)},
+                 {"irradiance_factors", {kShIrradiance[0], kShIrradiance[1], kShIrradiance[4]}}};
+    const auto sky = probe.texts.find("probe:skySha256");
+    if (sky != probe.texts.end()) json["sky_sha256"] = sky->second;
+    if (file.audit) json["error"] = write_audit(file);
+    const std::string text = dump_json(json, 2) + "\n";
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace probebake

@@ -1,0 +1,26 @@
+// sh.json: a probe's radiance as spherical harmonics, with what is known of its error.
+//
+// docs/conventions.md documents the fields. The same input gives the same bytes.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "bake/sh_audit.h"
+#include "image/exr.h"
+
+namespace probebake {
+
+struct ShFile {
+    const ShRgb& radiance;
+    /// None where nothing was audited.
+    const std::optional<ShAudit>& audit;
+    double confidence = 0.95;
+    /// Whose they are, as the headers of the EXR files say it.
+    const ProbeAttributes& probe;
+};
+
+std::vector<std::byte> encode_sh(const ShFile& file);
+
+}  // namespace probebake

@@ -73,13 +73,10 @@ class AuditRun {
         return RandomStream(
             random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditChoice), part}));
     }
-    TruthPair truth_of(const CubePixel& stored, uint64_t part, int grid, CostStats& stats) const {
-        const CubePixel owner = owner_of(stored, n_);
-        const View view = cube_face_view(owner.face, n_, spec_.origin);
+    TruthPair truth_of(const CubePixel& stored, uint64_t part, CostStats& stats) const {
         const uint64_t key =
             random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditTruth), part});
-        return truth_pair(spec_.scene, view, owner.x, owner.y,
-                          {.against = spec_.against, .grid = grid, .key = key}, stats);
+        return spec_.truth(owner_of(stored, n_), key, stats);
     }
 
     /// Calls measure(i, stats) for i < count in parallel; adds up the costs in order.
@@ -115,7 +112,7 @@ class AuditRun {
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
             const Rgb& value = spec_.as_written.at(pixel);
-            const TruthPair truth = truth_of(pixel, i, spec_.truth_grid, stats);
+            const TruthPair truth = truth_of(pixel, i, stats);
             const double error = squared_error(value, truth, spec_.exposure);
             const double inverse =
                 1.0 / (static_cast<double>(probability.size()) * probability[drawn[i]]);
@@ -159,8 +156,8 @@ class AuditRun {
         for (int i = 0; i < kSsimWindow_px * kSsimWindow_px; ++i) {
             const CubePixel pixel{corner.face, corner.x + i % kSsimWindow_px,
                                   corner.y + i / kSsimWindow_px};
-            const TruthPair truth = truth_of(pixel, random_key({part, static_cast<uint64_t>(i)}),
-                                             spec_.truth_grid, stats);
+            const TruthPair truth =
+                truth_of(pixel, random_key({part, static_cast<uint64_t>(i)}), stats);
             const auto at = static_cast<size_t>(i);
             a[at] = ssim_luminance(spec_.as_written.at(pixel), spec_.exposure);
             r1[at] = ssim_luminance(truth.r1, spec_.exposure);
@@ -176,6 +173,14 @@ class AuditRun {
 };
 
 }  // namespace
+
+TruthOf voxel_truth(const RenderScene& scene, const Vec3& origin, int n,
+                    const TruthParams& params) {
+    return [&scene, origin, n, params](const CubePixel& owner, uint64_t key, CostStats& stats) {
+        return truth_pair(scene, cube_face_view(owner.face, n, origin), owner.x, owner.y,
+                          {.against = params.against, .grid = params.grid, .key = key}, stats);
+    };
+}
 
 Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel) {
     return AuditRun(spec, cancel).run();

@@ -11,6 +11,7 @@
 // The same draws tell how wrong the spherical harmonics are (sh_audit.h).
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -29,15 +30,19 @@ struct Audit {
     CostStats cost;
 };
 
+/// Two independent estimates of the truth of an owner pixel, from the random stream of that key.
+using TruthOf = std::function<TruthPair(const CubePixel& owner, uint64_t key, CostStats& stats)>;
+/// Of voxels alone (truth_pair, but for its key), for a probe at `origin` (voxels) with faces of n
+/// pixels. The scene outlives it.
+TruthOf voxel_truth(const RenderScene& scene, const Vec3& origin, int n,
+                    const TruthParams& params = {});
+
 /// What is audited and how.
 struct AuditSpec {
-    const RenderScene& scene;
-    Vec3 origin{0.0};  // of the probe, voxels
+    TruthOf truth;
     const Cubemap& as_written;
     std::span<const PixelAux> aux;
     double exposure = 1.0;
-    Against against = Against::kTruth;
-    int truth_grid = kTruthGrids.front();
     Weighting weighting = Weighting::kUniform;
     int pixels = 0;
     int windows = 0;  // of SSIM

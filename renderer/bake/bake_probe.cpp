@@ -43,7 +43,8 @@ class Unit {
         const auto start = std::chrono::steady_clock::now();
         result_.probe = params_.probe;
         result_.state = pilot_.state.spec;
-        result_.far_m = effective_far_m(scene_, probe_);
+        result_.far_m = through_media() ? effective_far_through_media_m(scene_, probe_)
+                                        : effective_far_m(scene_, probe_);
         result_.inside_voxel = scene_.inside_voxel(probe_.position_m);
         render_until_good();
         if (job_.quality.evidence.audit) result_.certificate = audit(kCertificate);
@@ -59,7 +60,11 @@ class Unit {
 
     void render_until_good() {
         result_.settings = pilot_.settings;
-        if (params_.out_of_time) result_.settings = {.kind = RendererKind::kLod};
+        if (params_.out_of_time) {
+            result_.settings = through_media()
+                                   ? RenderSettings{.kind = RendererKind::kPaths, .samples = 2}
+                                   : RenderSettings{.kind = RendererKind::kLod};
+        }
         size_t next = 0;
         for (;;) {
             render();
@@ -103,10 +108,45 @@ class Unit {
         return next;
     }
 
+    bool through_media() const { return pilot_.media != nullptr; }
+
+    VolumeView paths_view() const {
+        return volume_view(
+            scene_, probe_,
+            random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kMediaRender),
+                        params_.probe, stream_of(pilot_.state.spec)}));
+    }
+
     void render() {
-        render_ = render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
-                                 cancel_, ray_limit(job_, probe_));
+        const std::optional<uint64_t> limit = ray_limit(job_, probe_);
+        render_ = through_media()
+                      ? render_through_media(scene_, *pilot_.media->tracer, paths_view(),
+                                             result_.settings, limit, cancel_)
+                      : render_cubemap(render_scene_, origin_, probe_.face_size_px,
+                                       result_.settings, cancel_, limit);
         as_written_ = rounded_to_file(render_.color);
+    }
+
+    /// As many paths for each of the two means as the render has in that pixel: the truth then is
+    /// about as noisy as the image, where telling is cheapest. For irradiance fewer, as with leaf
+    /// rays.
+    TruthOf paths_truth() const {
+        const double share = irradiance_target() ? 0.6 : 1.0;
+        return [this, share, view = paths_view()](const CubePixel& owner, uint64_t key,
+                                                  CostStats& stats) {
+            const double samples =
+                double{render_.aux[cube_index(owner, probe_.face_size_px)].samples};
+            return path_truth(*pilot_.media->tracer, view, owner,
+                              std::max(1, static_cast<int>(share * samples)), key, stats);
+        };
+    }
+
+    /// Rays that an audit may cast, in units of what it casts in a pixel with this grid.
+    double rays_to_audit(double share) const {
+        const auto rays = static_cast<double>(render_.total().all_rays());
+        if (!through_media()) return share * rays;
+        // A pixel of the audit costs two of the render's.
+        return share * static_cast<double>(owned_pixel_count(probe_.face_size_px));
     }
 
     Audit audit(uint64_t look) const {
@@ -114,19 +154,21 @@ class Unit {
         const double decision_share =
             irradiance_target() ? kIrradianceDecisionShare : kDecisionShare;
         const double share = look == kCertificate ? kCertificateShare : decision_share;
-        const int grid = wants_leaf_rays_only(job_)
-                             ? irradiance_truth_grid(result_.settings.leaf_grid)
-                             : pilot_.truth_grid;
-        const int pixels = audit_pixels(job_.quality, grid, probe_.face_size_px,
-                                        share * static_cast<double>(render_.total().all_rays()));
+        int grid = pilot_.truth_grid;
+        if (through_media()) {
+            grid = 1;
+        } else if (wants_leaf_rays_only(job_)) {
+            grid = irradiance_truth_grid(result_.settings.leaf_grid);
+        }
+        const int pixels =
+            audit_pixels(job_.quality, grid, probe_.face_size_px, rays_to_audit(share));
         const AuditSpec spec{
-            .scene = render_scene_,
-            .origin = origin_,
+            .truth = through_media() ? paths_truth()
+                                     : voxel_truth(render_scene_, origin_, probe_.face_size_px,
+                                                   {.against = job_.quality.against, .grid = grid}),
             .as_written = as_written_,
             .aux = render_.aux,
             .exposure = pilot_.exposure,
-            .against = job_.quality.against,
-            .truth_grid = grid,
             .weighting = job_.quality.weighting,
             .pixels = pixels,
             .windows = ssim ? std::max(kMinAuditWindows, pixels / kWindowPixels) : 0,
@@ -243,20 +285,6 @@ CostStats ProbeResult::render_cost() const {
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel) {
     return Unit(scene, job, pilot, unit, cancel).run();
-}
-
-std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
-    std::optional<uint64_t> limit;
-    if (job.quality.target.metric == QualityTarget::Metric::kRays) {
-        limit = static_cast<uint64_t>(job.quality.target.value);
-    }
-    if (job.budget.rays) {
-        const auto share =
-            static_cast<uint64_t>(static_cast<unsigned __int128>(*job.budget.rays) *
-                                  owned_pixel_count(probe.face_size_px) / pixel_count(job));
-        limit = std::min(limit.value_or(share), share);
-    }
-    return limit;
 }
 
 int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays) {

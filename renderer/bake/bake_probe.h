@@ -54,10 +54,6 @@ struct UnitParams {
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel);
 
-/// Rays that a unit may cast, from the target and the budget; none: as many as its settings ask
-/// for.
-std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe);
-
 /// Audited pixels of a probe: as asked for, else as many as these rays pay for, at least 64 and
 /// between a hundredth and a tenth of its texels; for irradiance, which needs many, up to all.
 int audit_pixels(const QualitySpec& quality, int truth_grid, int face_size_px, double rays);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 
+#include "bake/media_pilot.h"
+
 namespace probebake {
 namespace {
 
@@ -159,6 +161,7 @@ class Search {
             case RendererKind::kAdaptive:
                 return finest_settings(plan_.renderers).front();
             case RendererKind::kLod:
+            case RendererKind::kPaths:
                 break;
         }
         return {.kind = RendererKind::kLod};
@@ -269,6 +272,7 @@ void begin_with_one_ray(Pilot& pilot) {
 
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
+    if (sees_media(scene, state.spec)) return run_media_pilot(scene, job, state, cancel, time);
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [start] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -69,6 +69,7 @@ class PathLoop {
             if (flight.event == Event::kEscape) {
                 if (!hit) {
                     add_sky(direction, density);
+                    count_.misses += first ? 1 : 0;
                     break;
                 }
                 if (first) result_.distance_m = end;
@@ -254,8 +255,9 @@ class PathLoop {
     void add_light(const PathPlace& at, const Vec3& towards, double value, const Rgb& light) {
         if (!(value > 0.0)) return;
         ++count_.shadow_rays;
-        const ShadowResult shadow = cast_shadow_ray(scene_.tree, {at.voxels, towards},
-                                                    std::numeric_limits<double>::infinity());
+        const ShadowResult shadow =
+            cast_shadow_ray(scene_.tree, {at.voxels, towards},
+                            std::numeric_limits<double>::infinity(), scene_.shadow);
         count_.steps += shadow.blocker.steps;
         if (!shadow.visible) return;
         const Spectrum<3> through = transmittance(at, towards);

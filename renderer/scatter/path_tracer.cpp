@@ -32,6 +32,7 @@ PathCount& PathCount::operator+=(const PathCount& o) {
     shadows += o.shadows;
     shadow_rays += o.shadow_rays;
     steps += o.steps;
+    misses += o.misses;
     faults += o.faults;
     return *this;
 }

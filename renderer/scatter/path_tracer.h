@@ -31,6 +31,7 @@ struct ScatterScene {
     Vec3 corner_m{0.0};
     const Media& media;
     const Lighting& lighting;
+    ShadowSettings shadow;  // of rays to sun and sky
 };
 
 struct PathSettings {
@@ -47,7 +48,8 @@ struct PathCount {
     TrackCount flights;
     TrackCount shadows;  // of transmittances
     uint64_t shadow_rays = 0;
-    uint64_t steps = 0;  // of all voxel rays, as CostStats counts them
+    uint64_t steps = 0;   // of all voxel rays, as CostStats counts them
+    uint64_t misses = 0;  // paths that met neither medium nor voxel
     uint64_t faults = 0;
 
     PathCount& operator+=(const PathCount& o);

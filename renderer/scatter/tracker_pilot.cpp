@@ -108,7 +108,9 @@ DepthPilot choose_depth(const ScatterScene& scene, const std::vector<MediumSpec>
         const ScatterScene with{scene.tree, scene.voxel_size_m, scene.corner_m, media,
                                 scene.lighting};
         const PathTracer tracer(with, choose_tracker(facts_of(media), params.choice));
-        const double cost = measure(tracer, ray, params).cost;
+        const Measured got = measure(tracer, ray, params);
+        const double cost = got.cost;
+        out.count += got.count;
         out.costs.emplace_back(depth, cost);
         if (cost < best) {
             best = cost;

@@ -44,6 +44,7 @@ TrackerPilot choose_by_pilot(const ScatterScene& scene, const PilotRay& ray,
 struct DepthPilot {
     int max_depth = 1;
     std::vector<std::pair<int, double>> costs;  // depth, cost per path
+    PathCount count;
 };
 /// Tries depths 2, 4, 6, … until one costs more than the best by a tenth or the octrees do not grow
 /// any more. scene.media is not looked at.

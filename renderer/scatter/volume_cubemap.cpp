@@ -2,7 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <chrono>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "math/sampling.h"
@@ -63,28 +65,30 @@ class Renderer {
   private:
     /// Brings every pixel to its wanted number of samples.
     void sample() {
-        std::vector<PathCount> counts(6 * static_cast<size_t>(n_));
+        const auto n = static_cast<size_t>(n_);
+        std::vector<PathCount> counts(6 * n);
+        std::vector<double> seconds(counts.size());
         tbb::parallel_for(size_t{0}, counts.size(), [&](size_t row) {
             if (cancel_.cancelled()) return;
-            for (size_t i = row * static_cast<size_t>(n_); i < (row + 1) * static_cast<size_t>(n_);
-                 ++i) {
+            const auto start = std::chrono::steady_clock::now();
+            for (size_t i = row * n; i < (row + 1) * n; ++i) {
                 while (states_[i].samples < wanted_[i]) add_path(i, counts[row]);
             }
+            seconds[row] =
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         });
         cancel_.throw_if_cancelled();
-        for (const PathCount& count : counts) out_.count += count;
+        for (size_t row = 0; row < counts.size(); ++row) {
+            out_.faces[row / n] += counts[row];
+            out_.seconds[row / n] += seconds[row];
+            paths_ += counts[row].paths;
+        }
     }
 
     void add_path(size_t i, PathCount& count) {
         PixelState& state = states_[i];
-        const CubePixel pixel = pixel_at(i, n_);
-        const auto index = static_cast<uint32_t>(state.samples);
-        const auto point = owen_sobol_4d(index, random_key({view_.key, i}));
-        const double u = grid_coordinate(pixel.x + point[0] - 0.5, n_);
-        const double v = grid_coordinate(pixel.y + point[1] - 0.5, n_);
-        const Ray ray{view_.origin_m, glm::normalize(face_direction(pixel.face, u, v))};
-        PathRandom random(random_key({view_.key, i, index}), {point[2], point[3]}, 2);
-        const PathResult path = tracer_.trace(ray, view_.range, random, count);
+        const PixelPath name{random_key({view_.key, i}), static_cast<uint32_t>(state.samples)};
+        const PathResult path = pixel_path(tracer_, view_, pixel_at(i, n_), name, count);
         ++state.samples;
         state.sum += path.radiance;
         state.sum2 += path.radiance * path.radiance;
@@ -135,7 +139,11 @@ class Renderer {
             pixels += 1.0;
         }
         // Σ σ²/n = pixels · target² with n = σ · factor; a tenth more, so that few rounds do.
-        const double factor = 1.1 * sum / (pixels * quality_.target_rmse * quality_.target_rmse);
+        // Within a budget Σ n is what that leaves.
+        double factor = 1.1 * sum / (pixels * quality_.target_rmse * quality_.target_rmse);
+        if (quality_.most_paths && sum > 0.0) {
+            factor = std::min(factor, static_cast<double>(*quality_.most_paths) / sum);
+        }
         std::vector<int> wanted = wanted_;
         uint64_t more = 0;
         for (size_t i = 0; i < states_.size(); ++i) {
@@ -148,9 +156,23 @@ class Renderer {
             more += static_cast<uint64_t>(wanted[i] - now);
         }
         if (more == 0 && pixels > 0.0) return ask_everywhere();
-        if (!affordable(more)) return false;
-        wanted_ = std::move(wanted);
-        return true;
+        return ask_within_budget(wanted, more);
+    }
+
+    /// Asks for `more` paths, or for the same share of all of them that the budget pays for.
+    bool ask_within_budget(const std::vector<int>& wanted, uint64_t more) {
+        const uint64_t left = budget_left();
+        const double share =
+            more <= left ? 1.0 : static_cast<double>(left) / static_cast<double>(more);
+        out_.limited |= share < 1.0;
+        bool any = false;
+        for (size_t i = 0; i < wanted.size(); ++i) {
+            if (!owned(i)) continue;
+            const int now = states_[i].samples;
+            wanted_[i] = now + static_cast<int>(share * (wanted[i] - now));
+            any |= wanted_[i] > now;
+        }
+        return any;
     }
 
     /// Where the neighbours say that all is done and the sum says that it is not: twice as many.
@@ -163,13 +185,12 @@ class Renderer {
                                  std::max(quality_.most_samples, states_[i].samples));
             more += static_cast<uint64_t>(wanted[i] - states_[i].samples);
         }
-        if (more == 0 || !affordable(more)) return false;
-        wanted_ = std::move(wanted);
-        return true;
+        return more > 0 && ask_within_budget(wanted, more);
     }
 
-    bool affordable(uint64_t paths) const {
-        return !quality_.most_paths || out_.count.paths + paths <= *quality_.most_paths;
+    uint64_t budget_left() const {
+        if (!quality_.most_paths) return std::numeric_limits<uint64_t>::max();
+        return *quality_.most_paths - std::min(*quality_.most_paths, paths_);
     }
 
     void write() {
@@ -192,10 +213,27 @@ class Renderer {
     int n_;
     std::vector<PixelState> states_;
     std::vector<int> wanted_;  // samples; 0 where another pixel owns this one
+    uint64_t paths_ = 0;
     VolumeCubemap out_;
 };
 
 }  // namespace
+
+PathCount VolumeCubemap::count() const {
+    PathCount sum;
+    for (const PathCount& face : faces) sum += face;
+    return sum;
+}
+
+PathResult pixel_path(const PathTracer& tracer, const VolumeView& view, const CubePixel& pixel,
+                      const PixelPath& name, PathCount& count) {
+    const auto point = owen_sobol_4d(name.index, name.key);
+    const double u = grid_coordinate(pixel.x + point[0] - 0.5, view.face_size_px);
+    const double v = grid_coordinate(pixel.y + point[1] - 0.5, view.face_size_px);
+    const Ray ray{view.origin_m, glm::normalize(face_direction(pixel.face, u, v))};
+    PathRandom random(random_key({name.key, name.index}), {point[2], point[3]}, 2);
+    return tracer.trace(ray, view.range, random, count);
+}
 
 VolumeCubemap render_volume_cubemap(const PathTracer& tracer, const VolumeView& view,
                                     const VolumeQuality& quality, const CancelToken& cancel) {

@@ -11,6 +11,8 @@
 // threads. Shared pixels are rendered once and copied.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "image/cubemap.h"
@@ -23,7 +25,7 @@ struct VolumeQuality {
     double target_rmse = 0.0;  // radiance; 0: first_samples in every pixel
     int first_samples = 16;    // ≥ 2
     int most_samples = 4096;   // of a pixel
-    /// Paths that may be traced in all; none: no budget.
+    /// Paths that may be traced in all, first_samples in every pixel in any case; none: no budget.
     std::optional<uint64_t> most_paths;
 };
 
@@ -36,11 +38,15 @@ struct VolumePixel {
 
 struct VolumeCubemap {
     Cubemap color;
-    std::vector<VolumePixel> pixels;  // in the order of the cubemap's image
-    PathCount count;
+    std::vector<VolumePixel> pixels;           // in the order of the cubemap's image
+    std::array<PathCount, kFaceCount> faces;   // of the pixels that they own
+    std::array<double, kFaceCount> seconds{};  // summed over threads
     double predicted_rmse = 0.0;
     bool target_met = false;
+    bool limited = false;  // most_paths stood in the way
     int rounds = 1;
+
+    PathCount count() const;
 };
 
 struct VolumeView {
@@ -49,6 +55,15 @@ struct VolumeView {
     TRange range;      // of first rays, m; its end finite, or the distances are infinite
     uint64_t key = 1;  // of all random numbers
 };
+
+/// Names a path of a pixel: all indices of a key together are a low-discrepancy set over footprint
+/// and first flight; sets of different keys are independent.
+struct PixelPath {
+    uint64_t key = 0;
+    uint32_t index = 0;
+};
+PathResult pixel_path(const PathTracer& tracer, const VolumeView& view, const CubePixel& pixel,
+                      const PixelPath& name, PathCount& count);
 
 /// Throws Cancelled; std::invalid_argument for settings out of range.
 VolumeCubemap render_volume_cubemap(const PathTracer& tracer, const VolumeView& view,

@@ -19,12 +19,12 @@ constexpr double kHighest_m = 10.0;
 constexpr double kClearance_m = 1.0;
 
 /// What the voxels fill, in voxels.
-struct Box {
+struct VoxelBox {
     Vec3 lo{0.0};
     Vec3 hi{0.0};
 };
 
-Box box_of(const VoxelTree& tree) {
+VoxelBox box_of(const VoxelTree& tree) {
     IVec3 lo(1 << kMaxDepth);
     IVec3 hi(0);
     tree.for_each_voxel([&](const IVec3& p) {
@@ -36,7 +36,7 @@ Box box_of(const VoxelTree& tree) {
 
 class Search {
   public:
-    Search(const Scene& scene, const Box& box)
+    Search(const Scene& scene, const VoxelBox& box)
         : tree_(scene.tree),
           middle_y_(0.5 * (box.lo.y + box.hi.y)),
           voxel_m_(scene.voxel_size_m),
@@ -102,7 +102,7 @@ std::vector<Vec3> suggest_probes(const Scene& scene, int count, uint64_t seed) {
     if (count < 0) throw std::invalid_argument("the number of probes is at least 0");
     std::vector<Vec3> probes;
     if (count == 0 || scene.tree.empty()) return probes;
-    const Box box = box_of(scene.tree);
+    const VoxelBox box = box_of(scene.tree);
     const Search search(scene, box);
     const Vec2 side(box.hi.x - box.lo.x, box.hi.z - box.lo.z);
     const Vec2 corner = Vec2(box.lo.x, box.lo.z) + kMargin * side;

@@ -89,14 +89,14 @@ study::TextTable probe_table(const Cloud& cloud, const std::filesystem::path& ou
         const VolumeCubemap again = render_volume_cubemap(tracer, view, quality, cancel);
         const auto millions = [](uint64_t x) { return decimals(static_cast<double>(x) * 1e-6, 2); };
         table.rows.push_back({std::to_string(i),
-                              decimals(static_cast<double>(cube.count.paths) /
+                              decimals(static_cast<double>(cube.count().paths) /
                                            static_cast<double>(owned_pixel_count(kFaceSize)),
                                        1),
-                              millions(cube.count.lookups()), millions(cube.count.scatterings),
+                              millions(cube.count().lookups()), millions(cube.count().scatterings),
                               decimals(cube.predicted_rmse, 4),
                               decimals(rmse(cube.color, again.color) / std::sqrt(2.0), 4),
                               std::to_string(cube.rounds), cube.target_met ? "yes" : "no",
-                              std::to_string(cube.count.all_faults())});
+                              std::to_string(cube.count().all_faults())});
         if (i == 0) {
             ProbeAttributes attributes;
             attributes.id = "p0";

@@ -84,6 +84,13 @@ int check(const BakeOptions& options) {
               << bytes_text(made["output_bytes_at_most"]) << " of files\nscene "
               << bytes_text(made["memory"]["scene_bytes"]) << ", "
               << bytes_text(made["memory"]["bytes_per_work_unit"]) << " per cubemap at work\n";
+    if (made.contains("media")) {
+        for (const Json& medium : made["media"]["media"]) {
+            std::cout << "medium " << medium.get<std::string>() << '\n';
+        }
+        std::cout << "tracker " << made["media"]["tracker"].get<std::string>() << " ("
+                  << made["media"]["reason"].get<std::string>() << ")\n";
+    }
     for (const Json& left : made["left_out"]) {
         std::cout << "left out: " << left["what"].get<std::string>() << " ("
                   << left["why"].get<std::string>() << ")\n";

@@ -22,6 +22,7 @@ void add_serve_command(CLI::App& app, CommandWork& work);
 void add_study_command(CLI::App& app, CommandWork& work);
 void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
 void add_beyond_command(CLI::App& study_app, CommandWork& work);
+void add_stability_command(CLI::App& study_app, CommandWork& work);
 void add_volumes_command(CLI::App& study_app, CommandWork& work);
 
 }  // namespace probebake

@@ -71,16 +71,15 @@ TEST_F(ShTest, TheAuditEstimatesTheDifferencesAndItsIntervalsCover) {
         int covered_larger = 0;
         double high = 0.0;
         for (uint64_t run = 0; run < kRuns; ++run) {
-            const Audit audit = audit_cubemap({.scene = what,
-                                               .origin = origin,
-                                               .as_written = as_written,
-                                               .aux = cube.aux,
-                                               .truth_grid = c.truth_grid,
-                                               .pixels = c.pixels,
-                                               .sh = true,
-                                               .drawn_for_sh = c.drawn_for_sh,
-                                               .key = random_key({run, 17})},
-                                              cancel_);
+            const Audit audit =
+                audit_cubemap({.truth = voxel_truth(what, origin, 16, {.grid = c.truth_grid}),
+                               .as_written = as_written,
+                               .aux = cube.aux,
+                               .pixels = c.pixels,
+                               .sh = true,
+                               .drawn_for_sh = c.drawn_for_sh,
+                               .key = random_key({run, 17})},
+                              cancel_);
             for (size_t i = 0; i < moments.size(); ++i) {
                 moments[i].add(audit.sh->difference[i / 3][static_cast<int>(i % 3)]);
             }

@@ -48,7 +48,7 @@ TEST(VolumeCubemap, MeetsItsTargetWhereTheVarianceIs) {
     EXPECT_TRUE(a.target_met);
     EXPECT_LE(a.predicted_rmse, quality.target_rmse);
     EXPECT_GT(a.rounds, 1);
-    EXPECT_EQ(a.count.all_faults(), 0u);
+    EXPECT_EQ(a.count().all_faults(), 0u);
     // Two independent renders: their difference has twice the squared error. Sobol points make it
     // smaller than predicted, never larger.
     const double measured = rmse(a.color, b.color) / std::sqrt(2.0);
@@ -79,7 +79,7 @@ TEST(VolumeCubemap, IsTheSameForAnyNumberOfThreads) {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     const VolumeCubemap single = render_volume_cubemap(tracer, kView, quality, cancel);
     EXPECT_EQ(parallel.color, single.color);
-    EXPECT_EQ(parallel.count, single.count);
+    EXPECT_EQ(parallel.count(), single.count());
 }
 
 TEST(VolumeCubemap, StopsAtItsBudget) {
@@ -89,7 +89,7 @@ TEST(VolumeCubemap, StopsAtItsBudget) {
     const VolumeQuality quality{.target_rmse = 1e-4, .most_paths = 40000};
     const VolumeCubemap cube = render_volume_cubemap(tracer, kView, quality, cancel);
     EXPECT_FALSE(cube.target_met);
-    EXPECT_LE(cube.count.paths, 40000u);
+    EXPECT_LE(cube.count().paths, 40000u);
     CancelToken stop;
     stop.cancel();
     EXPECT_THROW(render_volume_cubemap(tracer, kView, quality, stop), Cancelled);
@@ -103,7 +103,7 @@ TEST(VolumeCubemap, SharedPixelsHoldTheSame) {
     for_each_shared_pixel(kView.face_size_px, [&](const CubePixel& pixel, const CubePixel& owner) {
         EXPECT_EQ(cube.color.at(pixel), cube.color.at(owner));
     });
-    EXPECT_EQ(cube.count.paths, 16 * owned_pixel_count(kView.face_size_px));
+    EXPECT_EQ(cube.count().paths, 16 * owned_pixel_count(kView.face_size_px));
 }
 
 }  // namespace

@@ -133,6 +133,12 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
         plan.warnings.push_back(std::to_string(inside) +
                                 " probes lie in a voxel, which their rays pass through");
     }
+    for (const Medium& medium : scene.media.all()) {
+        const auto* shape = std::get_if<HomogeneousShape>(&medium.spec.shape);
+        if (!plan.media || shape == nullptr || shape->box_m) continue;
+        plan.warnings.push_back("medium '" + medium.spec.name +
+                                "' never ends: no light of sun or sky comes through it");
+    }
     for (const std::string& warning : scene.warnings) plan.warnings.push_back(warning);
     return plan;
 }

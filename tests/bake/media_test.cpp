@@ -30,7 +30,7 @@ MediumSpec haze() {
             .absorption_per_m = Rgb(0.01f),
             .scattering_per_m = Rgb(0.02f),
             .g = 0.3,
-            .shape = HomogeneousShape{}};
+            .shape = HomogeneousShape{Box{{-20, -5, -10}, {20, 30, 35}}}};
 }
 
 constexpr int kFace = 8;
@@ -221,8 +221,9 @@ TEST_F(MediaBake, AWhiteFurnaceIsWhite) {
     request["face_size_px"] = kFace;
     request["quality"]["exposure"] = 1.0;
     const ProbeResult result = bake(read_job(request));
+    const Cubemap cube = cube_of(result);
     double sum = 0.0;
-    for (const Rgb& pixel : cube_of(result).image().pixels()) {
+    for (const Rgb& pixel : cube.image().pixels()) {
         sum += double{pixel.r + pixel.g + pixel.b} / 3.0;
     }
     EXPECT_NEAR(sum / 384.0, 1.0, 0.01);
@@ -287,6 +288,15 @@ TEST_F(MediaBake, WhatCannotBeIsRefused) {
               "/quality/tracker");
     scene_.media = Media();
     EXPECT_EQ(with([](Json& r) { r["quality"]["tracker"] = "delta"; }), "/quality/tracker");
+}
+
+TEST_F(MediaBake, EndlessMediaAreWarnedOf) {
+    const JobSpec job = read_job(day_request());
+    const size_t before = make_plan(scene_, job).warnings.size();
+    MediumSpec endless = haze();
+    endless.shape = HomogeneousShape{};
+    scene_.media = Media({endless});
+    EXPECT_EQ(make_plan(scene_, job).warnings.size(), before + 1);
 }
 
 TEST_F(MediaBake, TheReportSaysWhichTrackerAndWhy) {

@@ -108,7 +108,7 @@ TEST_F(MediaBake, MeetsItsTargetAndSaysWhatItCost) {
         sum += double{glm::dot(pixel.standard_error, pixel.standard_error)} / 3.0;
         EXPECT_TRUE(std::isfinite(pixel.z_m));
     }
-    EXPECT_EQ(least, 16u);
+    EXPECT_GE(least, 16u);
     EXPECT_GT(most, 2 * least);  // samples go where the variance is
     const double noise = std::sqrt(sum / static_cast<double>(aux.pixels.size()));
     EXPECT_NEAR(noise, result.settings.noise, 0.2 * result.settings.noise);

@@ -10,14 +10,14 @@ namespace {
 
 constexpr double kMostZ = 4.5;
 
+}  // namespace
+
 std::string short_text(double x) {
     std::ostringstream text;
     text.precision(4);
     text << x;
     return text.str();
 }
-
-}  // namespace
 
 StabilityCase unbiased(std::string name, std::string checked, const Moments& moments,
                        double exact) {
@@ -27,7 +27,7 @@ StabilityCase unbiased(std::string name, std::string checked, const Moments& mom
     StabilityCase out{.name = std::move(name),
                       .checked = std::move(checked),
                       .value = short_text(moments.mean()),
-                      .bound = short_text(exact) + ", |z| < 4.5",
+                      .bound = short_text(exact) + ", z within ±4.5",
                       .variance = moments.variance()};
     // Weights that never vary carry the rounding of the exact answer alone.
     if (sigma > 1e-9 * std::abs(exact)) {

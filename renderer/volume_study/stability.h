@@ -28,6 +28,9 @@ struct StabilityCase {
     std::optional<double> variance;
 };
 
+/// Four digits.
+std::string short_text(double x);
+
 /// A mean against its exact value: |z| < 4.5, which chance exceeds once in 150,000 cases.
 StabilityCase unbiased(std::string name, std::string checked, const Moments& moments, double exact);
 /// A number below (or, turned round, above) a bound. NaN fails.

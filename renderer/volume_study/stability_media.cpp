@@ -110,7 +110,12 @@ struct Furnace {
     std::optional<TrackerKind> tracker;
 };
 
-Cases furnace(const std::string& name, const Furnace& params) {
+struct Glow {
+    std::array<Moments, 3> moments;  // of radiance / sky
+    uint64_t faults = 0;
+};
+
+Glow glow_of(const Furnace& params) {
     const VoxelTree tree = VoxelTree::build({.depth = 2});
     const Media media({params.spec}, {.max_depth = 5, .threshold = 0.2});
     Lighting lighting;
@@ -122,7 +127,7 @@ Cases furnace(const std::string& name, const Furnace& params) {
                              .media = media,
                              .lighting = lighting};
     const PathTracer tracer(scene, choose_tracker(facts_of(media), choice));
-    std::array<Moments, 3> moments;
+    Glow glow;
     PathCount count;
     for (int i = 0; i < kPaths; ++i) {
         RandomStream ray(random_key({2, static_cast<uint64_t>(i)}));
@@ -132,15 +137,22 @@ Cases furnace(const std::string& name, const Furnace& params) {
             tracer.trace({params.middle_m - d * (3.0 * params.size_m), d}, {}, random, count)
                 .radiance;
         for (int c = 0; c < 3; ++c) {
-            moments[static_cast<size_t>(c)].add(radiance[c] /
-                                                double{static_cast<float>(params.sky)});
+            glow.moments[static_cast<size_t>(c)].add(radiance[c] /
+                                                     double{static_cast<float>(params.sky)});
         }
     }
+    glow.faults = count.all_faults();
+    return glow;
+}
+
+Cases furnace(const std::string& name, const Furnace& params) {
+    const Glow glow = glow_of(params);
     Cases cases;
     for (size_t c = 0; c < 3; ++c) {
-        cases.push_back(unbiased(name, std::string("mean / truth, ") + "RGB"[c], moments[c], 1.0));
+        cases.push_back(
+            unbiased(name, std::string("mean / truth, ") + "RGB"[c], glow.moments[c], 1.0));
     }
-    cases.push_back(at_most(name, "faults", static_cast<double>(count.all_faults()), 0.0));
+    cases.push_back(at_most(name, "faults", static_cast<double>(glow.faults), 0.0));
     return cases;
 }
 
@@ -305,6 +317,17 @@ void stiff_spectra(Cases& all) {
         append(all, furnace("albedo 1, .5 : 1 : 1.4, " + std::string(probebake::name_of(tracker)),
                             {.spec = chroma, .tracker = tracker}));
     }
+    double lost = 0.0;
+    double spread = 0.0;
+    for (const Moments& channel :
+         glow_of({.spec = chroma, .tracker = TrackerKind::kSpectralMax}).moments) {
+        lost = std::max(lost, 1.0 - channel.mean());
+        spread = std::max(spread, channel.variance());
+    }
+    const std::string loss = "albedo 1, .5 : 1 : 1.4, spectral_max";
+    all.push_back(
+        at_least(loss, "without the choice: share of energy lost in a channel", lost, 0.1));
+    all.push_back(at_least(loss, "without the choice: largest variance", spread, 10.0));
 }
 
 void bounds(Cases& all) {
@@ -368,9 +391,11 @@ void transmittances(Cases& all) {
         }
         return most;
     };
-    all.push_back(at_most("residual ratio", "largest |T| with the minorant", largest(0.0), 1.0));
-    all.push_back(at_least("residual ratio", "without the guard: largest |T| with the midpoint",
-                           largest(0.5), 2.0));
+    all.push_back(
+        at_most("residual ratio", "largest absolute T with the minorant", largest(0.0), 1.0));
+    all.push_back(at_least("residual ratio",
+                           "without the guard: largest absolute T with the midpoint", largest(0.5),
+                           2.0));
 
     const auto shell = lattice(64, [](const IVec3& p) {
         return std::abs(glm::length(Vec3(p) - 32.0) - 20.0) < 1.0 ? 1e4f : 1.0f;

@@ -38,9 +38,8 @@ struct ResidualRatioFlight {
             const double mean_control = control.mean();
             double br = (most - control).max();
             if constexpr (Traits::kEmits) br = std::max(br, 0.25 * most.max());
-            const double control_hit = mean_control > 0.0
-                                           ? exponential(random, mean_control)
-                                           : std::numeric_limits<double>::infinity();
+            const double control_hit = mean_control > 0.0 ? exponential(random, mean_control)
+                                                          : std::numeric_limits<double>::infinity();
             const double end = std::min(control_hit, leaf.length());
             double s = 0.0;
             const auto advance_to = [&](double to) {

@@ -1,41 +1,20 @@
 #include "volume_study/tracker_tables.h"
 
-#include <chrono>
-
 #include "math/estimate.h"
 #include "scatter/path_tracer.h"
 #include "track/decomposition.h"
 #include "track/delta.h"
 #include "track/media_line.h"
+#include "track/residual_flight.h"
 #include "track/spectral.h"
 #include "track/spectral_mis.h"
+#include "volume_study/cpu_clock.h"
+#include "volume_study/test_media.h"
 
 namespace probebake::volume_study {
 namespace {
 
 using study::decimals;
-
-struct TestMedium {
-    const char* name;
-    const char* title;
-    double column;
-    Rgb absorb;
-    Rgb scatter;
-};
-
-const std::vector<TestMedium>& test_media() {
-    static const std::vector<TestMedium> media = {
-        {"gray", "gray, albedo 0.99", 30.0, Rgb(0.01f), Rgb(0.99f)},
-        {"ratio_124", "extinction 1:2:4, albedo 0.9", 30.0, Rgb(0.1f, 0.2f, 0.4f),
-         Rgb(0.9f, 1.8f, 3.6f)},
-        {"figure_4", "figure 4: absorption .2:.3:.6, scattering 1.1:1.2:1.0", 30.0,
-         Rgb(0.2f, 0.3f, 0.6f), Rgb(1.1f, 1.2f, 1.0f)},
-        {"albedo_1", "extinction .5:1:1.4, albedo 1", 20.0, Rgb(0.0f), Rgb(0.5f, 1.0f, 1.4f)},
-        {"ratio_1_10_100", "extinction 1:10:100, albedo 0.9", 100.0, Rgb(0.1f, 1.0f, 10.0f),
-         Rgb(0.9f, 9.0f, 90.0f)},
-    };
-    return media;
-}
 
 struct Measured {
     std::array<Moments, 3> radiance;
@@ -53,7 +32,7 @@ struct Measured {
 
 Measured measure(const Cloud& cloud, const PathTracer& tracer, int samples) {
     Measured out;
-    const auto start = std::chrono::steady_clock::now();
+    const double start = cpu_seconds();
     for (int i = 0; i < samples; ++i) {
         RandomStream for_ray(random_key({21, static_cast<uint64_t>(i)}));
         PathRandom random(random_key({22, static_cast<uint64_t>(i)}));
@@ -62,7 +41,7 @@ Measured measure(const Cloud& cloud, const PathTracer& tracer, int samples) {
             out.radiance[static_cast<size_t>(c)].add(path.radiance[c]);
         }
     }
-    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    out.seconds = cpu_seconds() - start;
     return out;
 }
 
@@ -70,16 +49,14 @@ study::TextTable efficiency_table(const Cloud& cloud, const TestMedium& medium, 
     study::TextTable table;
     table.name = std::string("efficiency_") + medium.name;
     table.title = std::string(medium.title) + ", thickest column " + decimals(medium.column, 0) +
-                  ", " + std::to_string(samples) + " paths, white sky";
+                  ", " + std::to_string(samples) + " paths";
     table.columns = {"tracker",         "mean R",      "mean G",
                      "mean B",          "variance",    "lookups per path",
                      "leaves per path", "µs per path", "efficiency by counts",
                      "by time",         "faults"};
-    const Media media({cloud_medium(cloud, medium.column, medium.absorb, medium.scatter, 0.6)},
-                      {.max_depth = 7, .threshold = 0.5});
+    const Media media = media_of(cloud, medium);
     const VoxelTree no_voxels;
-    Lighting lighting;
-    lighting.sky = Sky(SkyGradient{Rgb(0.5f, 0.7f, 1.0f), Rgb(1.0f), Rgb(0.2f)});
+    const Lighting lighting = test_sky();
     const ScatterScene scene{no_voxels, 1.0, Vec3(0.0), media, lighting};
     const MediaFacts facts = facts_of(media);
     std::optional<Measured> base;
@@ -215,6 +192,7 @@ study::TextTable first_flight_table(const Cloud& cloud, int samples) {
                                                            CollectNothing());
         });
     };
+    add_spectral("free-path-sampling residual ratio", ResidualRatioFlight());
     add_spectral("spectral, average", SpectralTracker<Scheme::kAverage>());
     add_spectral("spectral, maximum", SpectralTracker<Scheme::kMax, Termination::kGap>());
     add_spectral("spectral, maximum, decomposition",

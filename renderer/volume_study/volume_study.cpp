@@ -5,14 +5,15 @@
 
 #include "io/file.h"
 #include "volume_study/depth_tables.h"
+#include "volume_study/figures.h"
 #include "volume_study/probes.h"
 #include "volume_study/tracker_tables.h"
 
 namespace probebake::volume_study {
 
 const std::vector<std::string>& experiment_names() {
-    static const std::vector<std::string> names = {"depth", "efficiency", "control", "figure_4",
-                                                   "probes"};
+    static const std::vector<std::string> names = {"depth",    "efficiency", "control", "figure_4",
+                                                   "figure_6", "figure_7",   "curves",  "probes"};
     return names;
 }
 
@@ -43,6 +44,17 @@ std::vector<study::TextTable> run_volume_study(
     }
     if (wanted("control")) tables.push_back(control_table(clouds.front(), params.samples));
     if (wanted("figure_4")) tables.push_back(first_flight_table(clouds.front(), params.samples));
+    const FigureParams figure{
+        .side = params.side, .reference = params.reference, .out = params.out};
+    if (wanted("figure_6")) {
+        on_progress("figure 6");
+        tables.push_back(unbounded_table(clouds.front(), figure));
+    }
+    if (wanted("figure_7")) {
+        on_progress("figure 7");
+        tables.push_back(schemes_table(clouds.front(), figure));
+    }
+    if (wanted("curves")) tables.push_back(curve_table(clouds.front(), figure, on_progress));
     if (wanted("probes")) tables.push_back(probe_table(clouds.front(), params.out, on_progress));
 
     std::string report = "# Media: trackers and octrees\n\n";

@@ -2,7 +2,7 @@
 //
 // Clouds: a density grid out of an OpenVDB file (Disney's cloud at 1/16), a generated cumulus; each
 // thin and thick, that is with a largest vertical column of 3 and of 500 optical thicknesses.
-// Counts are exact and repeatable; seconds are this machine's. Results: OUT/*.csv and
+// Counts are exact and repeatable; seconds are this machine's. Results: OUT/*.csv, *.svg, *.png and
 // OUT/report.md.
 #pragma once
 
@@ -22,6 +22,8 @@ struct VolumeStudyParams {
     int cumulus_size = 1024;                     // 0: none
     int paths = 2000;                  // per row of the depth tables, thin; an eighth of it thick
     int samples = 20000;               // per row of the others
+    int side = 32;                     // pixels of the pictures of figures 6, 7 and the curves
+    int reference = 1024;              // paths per pixel of each of their two references
     uint64_t most_nodes = 40'000'000;  // of an octree
     std::vector<std::string> experiments;  // of experiment_names(); empty: all
 };

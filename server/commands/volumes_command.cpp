@@ -46,6 +46,14 @@ void add_volumes_command(CLI::App& study_app, CommandWork& work) {
     command->add_option("--samples", options->study.samples, "Paths per row of the other tables")
         ->check(CLI::Range(2, 100'000'000))
         ->capture_default_str();
+    command->add_option("--side", options->study.side, "Pixels per side of pictures")
+        ->check(CLI::Range(1, 1024))
+        ->capture_default_str();
+    command
+        ->add_option("--reference", options->study.reference,
+                     "Paths per pixel of each of two references of pictures")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
     command->add_option("--experiment", options->study.experiments, "Only this one; repeatable")
         ->check(CLI::IsMember(volume_study::experiment_names()));
     command->add_option("--threads", options->threads, "Threads")->check(CLI::Range(1, 1024));

@@ -10,6 +10,7 @@
 #include "track/decomposition.h"
 #include "track/delta.h"
 #include "track/lattice_line.h"
+#include "track/residual_flight.h"
 #include "track/spectral.h"
 #include "track/spectral_mis.h"
 
@@ -223,6 +224,7 @@ TEST(Unbiased, UnboundedSchemesOnMildMedia) {
     test("max, gap", SpectralTracker<Scheme::kMax, Termination::kGap>(), kNoAbsorption);
     test("max with decomposition", SpectralTracker<Scheme::kMax, Termination::kNone, true>(),
          kNoAbsorption);
+    test("residual ratio flight", ResidualRatioFlight());
     EXPECT_GT(all.rms(), 0.85);
     EXPECT_LT(all.rms(), 1.15);
     std::cout << "mild: " << all.count << " z, rms " << all.rms() << ", max " << all.most << '\n';

@@ -153,12 +153,12 @@ study::TextTable unbounded_table(const Cloud& cloud, const FigureParams& params)
 study::TextTable schemes_table(const Cloud& cloud, const FigureParams& params) {
     study::TextTable table;
     table.name = "figure_7";
-    table.title = cloud.name + ", extinction .5:1:1.4, albedo 1, column 500, " +
+    table.title = cloud.name + ", extinction .5:1:1.4, albedo 1, column 100, " +
                   std::to_string(params.side) +
                   "² pixels: schemes of probabilities at equal cost (figure 7)";
     table.columns = {"scheme",        "paths per pixel", "M lookups and leaves", "CPU s", "RMSE",
                      "largest pixel", "off by > 1",      "largest throughput",   "faults"};
-    const Media media = chromatic_cloud(cloud, 500.0, 1.0);
+    const Media media = chromatic_cloud(cloud, 100.0, 1.0);
     const Lighting lighting = test_sky();
     const auto picture = [&](const PathFunction& path, int samples, uint64_t key) {
         return render_picture(cloud, {.side = params.side, .samples = samples, .key = key}, path);

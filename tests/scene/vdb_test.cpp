@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "io/file.h"
 #include "math/random.h"
+#include "scene/scene_library.h"
 #include "scene/vdb/vdb_file.h"
 #include "support/data.h"
 
@@ -161,6 +163,71 @@ TEST_F(Vdb, WhatIsNoDensityIsRefusedByGridAndCount) {
     level_set->setGridClass(openvdb::GRID_LEVEL_SET);
     write(level_set);
     EXPECT_EQ(error(), "grid 'density': a level set; expected a fog volume");
+}
+
+// A scene with a density, and temperatures to emit by.
+class VdbEmission : public Vdb {
+  protected:
+    VdbEmission() : folder_(path_.string() + ".scene") {
+        std::filesystem::create_directories(folder_);
+        density_->setName("density");
+        density_->tree().setValue(openvdb::Coord(1, 2, 3), 0.5f);
+        temperature_->setName("temperature");
+        temperature_->tree().setValue(openvdb::Coord(1, 2, 3), 2.0f);
+        for (const auto& grid : {density_, temperature_}) {
+            grid->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
+        }
+    }
+    ~VdbEmission() override { std::filesystem::remove_all(folder_); }
+
+    Media load(const std::string& fields) const {
+        openvdb::io::File((folder_ / "fire.vdb").string()).write({density_, temperature_});
+        write_file_atomically(folder_ / "scene.json",
+                              R"({"type": "generator", "generator": "single", "size": 16, "media": [
+            {"type": "vdb", "file": "fire.vdb", "absorption_per_m": [1, 1, 1],
+             "emission_w_m2_sr": [3, 2, 1])" +
+                                  fields + "}]}");
+        return load_scene(read_scene_file(folder_ / "scene.json")).media;
+    }
+    std::string error_of(const std::string& fields) const {
+        try {
+            load(fields);
+        } catch (const IoError& e) {
+            return e.what();
+        }
+        return "";
+    }
+
+    std::filesystem::path folder_;
+    openvdb::FloatGrid::Ptr density_ = openvdb::FloatGrid::create(0.0f);
+    openvdb::FloatGrid::Ptr temperature_ = openvdb::FloatGrid::create(0.0f);
+};
+
+TEST_F(VdbEmission, GridsOfAnyNameMultiplyTheEmissionAndAreOptional) {
+    const Media plain = load("");
+    EXPECT_EQ(std::get<GridShape>(plain.all()[0].spec.shape).emission, nullptr);
+    const Media media = load(R"(, "emission_grid": "temperature")");
+    const auto& shape = std::get<GridShape>(media.all()[0].spec.shape);
+    ASSERT_NE(shape.emission, nullptr);
+    EXPECT_EQ(shape.density->sample({1, 2, 3.5}), 0.25);
+    EXPECT_EQ(shape.emission->sample({1, 2, 3.5}), 1.0);
+    EXPECT_EQ(media.all()[0].density(0.25 * Vec3(1, 2, 3)), 0.5);
+}
+
+TEST_F(VdbEmission, WhatIsNoEmissionIsRefusedByGrid) {
+    EXPECT_EQ(error_of(R"(, "emission_grid": "flames")"),
+              "fire.vdb: no grid 'flames'; the file holds 'density', 'temperature'");
+    temperature_->tree().setValue(openvdb::Coord(4, 4, 4), -1.0f);
+    EXPECT_EQ(error_of(R"(, "emission_grid": "temperature")"),
+              "fire.vdb: grid 'temperature': 0 voxels are NaN or infinite, 1 are negative, the "
+              "first at [4 4 4]; expected finite densities, not negative");
+    EXPECT_EQ(error_of(""), "") << "what is not asked for does not matter";
+    temperature_->tree().setValue(openvdb::Coord(4, 4, 4), 1.0f);
+    temperature_->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    EXPECT_EQ(
+        error_of(R"(, "emission_grid": "temperature")"),
+        "fire.vdb: grid 'temperature': its transform differs from that of 'density'; expected "
+        "the same");
 }
 
 TEST_F(Vdb, DamagedFilesAreRefused) {

@@ -98,16 +98,16 @@ Run run_paths(const Media& media, const Cloud& cloud, int paths) {
         for (const Flown& f : flown) {
             MediaLine<1> line(media, f.ray, {});
             while (line.next(leaf)) {
-                visit(line);
+                visit(line, std::min(leaf.t1, f.end));
                 if (leaf.t1 > f.end) break;
             }
         }
         return cpu_seconds() - from;
     };
-    const double walking = walk([&](MediaLine<1>&) { ++leaves; });
-    const double looking = walk([&](MediaLine<1>& line) {
+    const double walking = walk([&](MediaLine<1>&, double) { ++leaves; });
+    const double looking = walk([&](MediaLine<1>& line, double end) {
         for (int k = 0; k < 4; ++k) {
-            sum += line.at(leaf.t0 + (k + 0.5) / 4.0 * leaf.length()).scattering[0];
+            sum += line.at(leaf.t0 + (k + 0.5) / 4.0 * (end - leaf.t0)).scattering[0];
             ++lookups;
         }
     });
@@ -148,8 +148,8 @@ study::TextTable times_table(const study::TextTable& counts, const Published& pu
             std::vector<std::string> row = {std::to_string(kDepths[i]),
                                             kind == 0 ? "delta" : "decomposition"};
             const auto add = [&](double now, double first, double their_now, double their_first) {
-                row.push_back(decimals(1e3 * now, 1));
-                row.push_back(decimals(now / first, 2));
+                row.push_back(decimals(1e3 * now, 2));
+                row.push_back(first > 0.0 ? decimals(now / first, 2) : "–");
                 row.push_back(decimals(their_now / their_first, 2));
             };
             const Times now = times(i);

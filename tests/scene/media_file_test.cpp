@@ -6,6 +6,7 @@
 
 #include "io/file.h"
 #include "scene/scene_library.h"
+#include "scene/vdb/vdb_file.h"
 
 namespace probebake {
 namespace {
@@ -112,6 +113,19 @@ TEST_F(MediaFileTest, AMissingGridFileIsAnErrorWithItsName) {
         FAIL();
     } catch (const IoError& error) {
         EXPECT_NE(std::string(error.what()).find("none.vdb"), std::string::npos);
+    }
+}
+
+TEST_F(MediaFileTest, BuildsWithoutOpenVdbSaySo) {
+    if (reads_vdb()) GTEST_SKIP() << "this build reads OpenVDB files";
+    write_file_atomically(folder_ / "cloud.vdb", "anything");
+    const SceneFile file =
+        read(R"([{"type": "vdb", "scattering_per_m": [1, 1, 1], "file": "cloud.vdb"}])");
+    try {
+        load_scene(file);
+        FAIL();
+    } catch (const IoError& error) {
+        EXPECT_EQ(std::string(error.what()), "cloud.vdb: this build reads no OpenVDB files");
     }
 }
 

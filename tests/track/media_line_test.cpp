@@ -106,6 +106,33 @@ TEST(MediaLine, FogToTheHorizonIsOnePieceAndUpwardsEnds) {
     EXPECT_LT(pieces, 62);
 }
 
+TEST(MediaLine, EmissionIsThatOfItsOwnGrid) {
+    GridShape shape = cloud({-4, -4, -4}, 0.5, 1);
+    shape.emission = std::make_shared<DensityGrid>(test::noise_grid({0, 0, 0}, {20, 18, 16}, 7));
+    const Affine to_index = shape.index_to_world.inverse();
+    const Media media({{.name = "fire",
+                        .absorption_per_m = Rgb(0.5f, 0.25f, 0.0f),
+                        .scattering_per_m = Rgb(1.0f),
+                        .emission = Rgb(2.0f, 8.0f, 0.0f),
+                        .shape = shape}});
+    const Ray ray{{-10, 0.3, 0.2}, {1, 0, 0}};
+    MediaLine<3> line(media, ray, {});
+    Segment<3> piece;
+    double brightest = 0.0;
+    while (line.next(piece)) {
+        const double t = 0.5 * (piece.t0 + piece.t1);
+        const double density = line.at(t).scattering[0];
+        const Vec3 index = to_index.point(ray.origin + ray.direction * t);
+        const double expected = density * shape.emission->sample(index);
+        const Spectrum<3> emitted = line.emitted_per_m(t);
+        EXPECT_NEAR(emitted[0], 1.0 * expected, 1e-9);
+        EXPECT_NEAR(emitted[1], 2.0 * expected, 1e-9);
+        EXPECT_EQ(emitted[2], 0.0);
+        brightest = std::max(brightest, expected);
+    }
+    EXPECT_GT(brightest, 0.0);
+}
+
 TEST(MediaLine, ACollisionBelongsToItsComponent) {
     const Media media({several()[2], several()[3]});
     MediaLine<3> line(media, {{0, 0.5, -5}, {0, 0, 1}}, {});

@@ -24,8 +24,6 @@ constexpr ToneCurve kTone{.exposure = 1.2, .shoulder = true};
 /// A line whose majorants are f of what they ought to be.
 class FactorLine {
   public:
-    static constexpr int kChannels = 3;
-
     FactorLine(MediaLine<3>& line, double factor) : line_(line), factor_(factor) {}
     bool next(Segment<3>& segment) {
         if (!line_.next(segment)) return false;

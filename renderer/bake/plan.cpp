@@ -12,6 +12,9 @@
 namespace probebake {
 namespace {
 
+/// Sums of a pixel's paths and what is made of them (volume_cubemap.cpp).
+constexpr uint64_t kPathBytesPerTexel = 128;
+
 /// Everything of a job that no state, product or target asks for.
 std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan& plan) {
     std::vector<LeftOut> out;
@@ -29,6 +32,17 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         leave("emission colours", "no voxel of the scene emits");
     } else if (!emission_asked) {
         leave("emission colours", "no lighting state shows emission");
+    }
+    if (scene.media.empty()) {
+        leave("paths through media", "the scene has no media");
+    } else if (!plan.media) {
+        leave("paths through media", "albedo is reflectance: media have none");
+    } else {
+        leave("light per face", "paths meet sun and sky by themselves");
+        for (const std::string& text : plan.media->choice.left_out) {
+            const size_t colon = text.find(": ");
+            out.push_back({text.substr(0, colon), text.substr(colon + 2)});
+        }
     }
     if (!plan.needs_error_table) leave("error table", "no renderer of this job looks at it");
     if (plan.leaf_rays_only) {
@@ -86,10 +100,21 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
                              plan.renderers.front() == RendererKind::kHybrid;
     plan.needs_pilot = !job.quality.settings && !plan.leaf_rays_only;
     plan.needs_audit = job.quality.evidence.audit;
+    const bool through_media =
+        std::any_of(job.states.begin(), job.states.end(),
+                    [&](const LightingState& state) { return sees_media(scene, state); });
+    if (through_media) {
+        plan.media = plan_media(scene, job);
+    } else if (job.quality.tracker) {
+        throw SpecError(SpecError::Kind::kUnacceptable, "/quality/tracker",
+                        scene.media.empty()
+                            ? "the scene has no media that a tracker could fly through"
+                            : "no state of this job is seen through media");
+    }
     plan.left_out = unneeded(scene, job, plan);
     plan.work_units = job.probes.size() * job.states.size();
     plan.texels = texel_count(job);
-    plan.scene_bytes = scene.tree.memory_bytes();
+    plan.scene_bytes = scene.memory_bytes();
     for (size_t i = 0; i < job.states.size(); ++i) check_sky_file(scene, job, i);
     plan.light_bytes = expected_light_bytes(scene, job);
 
@@ -102,7 +127,8 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
         unit_texels *
         (2 * (sizeof(Rgb) + sizeof(PixelAux)) + sizeof(Rgb) + 3 * sizeof(float) +
          (plan.renderers.front() == RendererKind::kHybrid ? kKeptPixelBytes : 0) +
-         (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0));
+         (job.products.aux ? 6 * sizeof(float) : 0) + (job.products.latlong ? 2 * sizeof(Rgb) : 0) +
+         (plan.media ? kPathBytesPerTexel : 0));
     if (job.products.specular || job.products.ddgi) {
         plan.bytes_per_unit += SphereFilter::memory_bytes(largest);
     }
@@ -119,6 +145,12 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     if (inside > 0) {
         plan.warnings.push_back(std::to_string(inside) +
                                 " probes lie in a voxel, which their rays pass through");
+    }
+    for (const Medium& medium : scene.media.all()) {
+        const auto* shape = std::get_if<HomogeneousShape>(&medium.spec.shape);
+        if (!plan.media || shape == nullptr || shape->box_m) continue;
+        plan.warnings.push_back("medium '" + medium.spec.name +
+                                "' never ends: no light of sun or sky comes through it");
     }
     for (const std::string& warning : scene.warnings) plan.warnings.push_back(warning);
     return plan;
@@ -138,6 +170,13 @@ Json write_plan(const Plan& plan) {
                  {"left_out", Json::array()},
                  {"warnings", plan.warnings}};
     for (const RendererKind kind : plan.renderers) json["renderers"].push_back(name_of(kind));
+    if (plan.media) {
+        json["media"] = {{"tracker", name_of(plan.media->choice.tracker)},
+                         {"transmittance", name_of(plan.media->choice.transmittance)},
+                         {"reason", plan.media->choice.reason},
+                         {"media", plan.media->media},
+                         {"bytes", plan.media->bytes}};
+    }
     for (const LeftOut& left : plan.left_out) {
         json["left_out"].push_back({{"what", left.what}, {"why", left.why}});
     }

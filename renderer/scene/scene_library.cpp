@@ -158,6 +158,7 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
             file.heightmap = read_heightmap(reader, path.parent_path());
         }
     }
+    file.media = read_media(reader, file.folder);
     reader.refuse_unknown();
     issues.throw_if_any();
     return file;
@@ -171,6 +172,9 @@ std::string content_sha256(const SceneFile& file) {
     if (file.heightmap) {
         sha.update(read_file(file.heightmap->heights));
         if (file.heightmap->colors) sha.update(read_file(*file.heightmap->colors));
+    }
+    for (const MediumFile& medium : file.media) {
+        if (medium.vdb) sha.update(read_file(medium.vdb->path));
     }
     return sha.hex();
 }
@@ -196,6 +200,7 @@ Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::pat
     scene.tree = std::move(world->tree);
     scene.warnings = std::move(world->warnings);
     scene.corner_m = file.origin_m + Vec3(world->lowest) * file.voxel_size_m;
+    scene.media = load_media(file.media);
     scene.load.total_seconds = seconds_since(start);
     return scene;
 }

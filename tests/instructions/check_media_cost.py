@@ -6,7 +6,8 @@ Instructions per look-up and leaf (per look-up in one leaf), as the difference o
 takes the set-up out of them. The tracker by itself, in one leaf, has to be at most BAR (0.6); the
 first flights of rays at most 0.75 where they are look-ups, the rest less than 1: octree walk,
 trilinear look-ups, shadow rays and new directions are the same code for both (docs/decisions.md).
-Another BAR than 0.6 asks for the tracker by itself alone. 77, which ctest takes for "skipped", where there is no valgrind.
+Given a BAR, only the tracker is looked at. 77, which ctest takes for "skipped", where there is no
+valgrind.
 """
 import re
 import shutil

@@ -37,7 +37,9 @@ StabilityCase unbiased(std::string name, std::string checked, const Moments& mom
 StabilityCase at_most(std::string name, std::string checked, double value, double bound);
 StabilityCase at_least(std::string name, std::string checked, double value, double bound);
 
+/// Those of furnaces included.
 std::vector<StabilityCase> media_cases();
+std::vector<StabilityCase> furnace_cases();
 std::vector<StabilityCase> voxel_cases();
 
 struct StabilityReport {

@@ -1,10 +1,10 @@
-// The cases of media: flights, transmittances and paths.
+// The cases of media: flights and transmittances.
 #include <cmath>
 #include <limits>
 
 #include "math/random.h"
-#include "scatter/path_tracer.h"
 #include "track/bound_guard.h"
+#include "track/choice.h"
 #include "track/delta.h"
 #include "track/media_line.h"
 #include "track/spectral.h"
@@ -12,6 +12,7 @@
 #include "track/transmittance.h"
 #include "volume/phase.h"
 #include "volume_study/stability.h"
+#include "volume_study/stability_clouds.h"
 
 namespace probebake::volume_study {
 namespace {
@@ -20,13 +21,10 @@ using Cases = std::vector<StabilityCase>;
 using Gray = TrackTraits<1, false, false>;
 
 constexpr int kFlights = 20'000;
-constexpr int kPaths = 4'000;
 
 /// One homogeneous leaf of length 1 whose majorant is `bound` times its extinction.
 class Slab {
   public:
-    static constexpr int kChannels = 1;
-
     Slab(double tau, double bound) : tau_(tau), bound_(bound) {}
     bool next(Segment<1>& segment) {
         segment = {0.0, 1.0, {}, {Spectrum<1>(0.0), Spectrum<1>(bound_ * tau_)}};
@@ -44,7 +42,6 @@ class Slab {
 
 /// A leaf without an end in which nothing is ever met.
 struct Endless {
-    static constexpr int kChannels = 1;
     int pieces = 1;
     bool next(Segment<1>& segment) {
         segment = {0.0, 1e30, {}, {Spectrum<1>(0.0), Spectrum<1>(1.0)}};
@@ -52,41 +49,6 @@ struct Endless {
     }
     Coefficients<1> at(double /*t*/) { return {}; }
 };
-
-/// A lattice of `cells` cells whose values are density(lattice point).
-template <class Density>
-std::shared_ptr<DensityGrid> lattice(int cells, Density density) {
-    return std::make_shared<DensityGrid>(
-        DensityGrid::BuildParams{IVec3(0), IVec3(cells)},
-        [&](const IVec3& low, DensityGrid::BrickValues values) {
-            size_t i = 0;
-            for (int z = 0; z < DensityGrid::kSide; ++z) {
-                for (int y = 0; y < DensityGrid::kSide; ++y) {
-                    for (int x = 0; x < DensityGrid::kSide; ++x) {
-                        const IVec3 p = low + IVec3(x, y, z);
-                        const bool border = glm::any(glm::lessThanEqual(p, IVec3(0))) ||
-                                            glm::any(glm::greaterThanEqual(p, IVec3(cells)));
-                        values[i++] = border ? 0.0f : density(p);
-                    }
-                }
-            }
-            return true;
-        });
-}
-
-/// A lumpy ball of 24 cells.
-GridShape lumps(const Vec3& middle_m = Vec3(0.0), double cell_m = 0.5) {
-    GridShape shape{.density = lattice(24, [](const IVec3& p) {
-                        const double r = glm::length(Vec3(p) - 12.0) / 12.0;
-                        RandomStream random(
-                            random_key({static_cast<uint64_t>(p.x), static_cast<uint64_t>(p.y),
-                                        static_cast<uint64_t>(p.z)}));
-                        return static_cast<float>(std::max(0.0, 1.0 - r) * 2.0 * random.uniform());
-                    })};
-    shape.index_to_world.linear = glm::dmat3(cell_m);
-    shape.index_to_world.offset = middle_m - Vec3(12.0 * cell_m);
-    return shape;
-}
 
 Moments escape_of(const Media& media, const Ray& ray, TrackCount& count) {
     Moments escaped;
@@ -98,66 +60,6 @@ Moments escape_of(const Media& media, const Ray& ray, TrackCount& count) {
         escaped.add(end.event == Event::kEscape ? 1.0 : 0.0);
     }
     return escaped;
-}
-
-/// Radiance of paths through a medium that nothing should be seen of: per channel the mean is
-/// `sky`, over which values are divided.
-struct Furnace {
-    MediumSpec spec;
-    double sky = 1.0;
-    Vec3 middle_m{0.0};
-    double size_m = 12.0;
-    std::optional<TrackerKind> tracker;
-};
-
-struct Glow {
-    std::array<Moments, 3> moments;  // of radiance / sky
-    uint64_t faults = 0;
-};
-
-Glow glow_of(const Furnace& params) {
-    const VoxelTree tree = VoxelTree::build({.depth = 2});
-    const Media media({params.spec}, {.max_depth = 5, .threshold = 0.2});
-    Lighting lighting;
-    lighting.sky = Sky(Rgb(static_cast<float>(params.sky)));
-    ChoiceParams choice;
-    choice.forced = params.tracker;
-    const ScatterScene scene{.tree = tree,
-                             .corner_m = params.middle_m + Vec3(50.0 * params.size_m),
-                             .media = media,
-                             .lighting = lighting};
-    const PathTracer tracer(scene, choose_tracker(facts_of(media), choice));
-    Glow glow;
-    PathCount count;
-    for (int i = 0; i < kPaths; ++i) {
-        RandomStream ray(random_key({2, static_cast<uint64_t>(i)}));
-        PathRandom random(random_key({3, static_cast<uint64_t>(i)}));
-        const Vec3 d = around({0, 1, 0}, 2.0 * ray.uniform() - 1.0, ray.uniform());
-        const Vec3 radiance =
-            tracer.trace({params.middle_m - d * (3.0 * params.size_m), d}, {}, random, count)
-                .radiance;
-        for (int c = 0; c < 3; ++c) {
-            glow.moments[static_cast<size_t>(c)].add(radiance[c] /
-                                                     double{static_cast<float>(params.sky)});
-        }
-    }
-    glow.faults = count.all_faults();
-    return glow;
-}
-
-Cases furnace(const std::string& name, const Furnace& params) {
-    const Glow glow = glow_of(params);
-    Cases cases;
-    for (size_t c = 0; c < 3; ++c) {
-        cases.push_back(
-            unbiased(name, std::string("mean / truth, ") + "RGB"[c], glow.moments[c], 1.0));
-    }
-    cases.push_back(at_most(name, "faults", static_cast<double>(glow.faults), 0.0));
-    return cases;
-}
-
-void append(Cases& all, Cases some) {
-    for (StabilityCase& one : some) all.push_back(std::move(one));
 }
 
 void empty_leaves(Cases& all) {
@@ -310,24 +212,6 @@ void stiff_spectra(Cases& all) {
     const MediaFacts facts = facts_of(media);
     all.push_back(
         at_least(name, "ratio that the choice sees (MIS above 8)", facts.extinction_ratio, 9000.0));
-
-    const MediumSpec chroma{
-        .name = "albedo 1", .scattering_per_m = Rgb(2.0f, 4.0f, 5.6f), .shape = lumps()};
-    for (const TrackerKind tracker : {TrackerKind::kHistoryAverage, TrackerKind::kSpectralMis}) {
-        append(all, furnace("albedo 1, .5 : 1 : 1.4, " + std::string(probebake::name_of(tracker)),
-                            {.spec = chroma, .tracker = tracker}));
-    }
-    double lost = 0.0;
-    double spread = 0.0;
-    for (const Moments& channel :
-         glow_of({.spec = chroma, .tracker = TrackerKind::kSpectralMax}).moments) {
-        lost = std::max(lost, 1.0 - channel.mean());
-        spread = std::max(spread, channel.variance());
-    }
-    const std::string loss = "albedo 1, .5 : 1 : 1.4, spectral_max";
-    all.push_back(
-        at_least(loss, "without the choice: share of energy lost in a channel", lost, 0.1));
-    all.push_back(at_least(loss, "without the choice: largest variance", spread, 10.0));
 }
 
 void bounds(Cases& all) {
@@ -434,36 +318,6 @@ void transmittances(Cases& all) {
                            static_cast<double>(plain.lookups) / kRays, 100.0));
 }
 
-void furnaces(Cases& all) {
-    const auto medium = [](const Rgb& absorb, const Rgb& scatter, double emission, double g,
-                           GridShape shape) {
-        return MediumSpec{.name = "medium",
-                          .absorption_per_m = absorb,
-                          .scattering_per_m = scatter,
-                          .emission = Rgb(static_cast<float>(emission)),
-                          .g = g,
-                          .shape = std::move(shape)};
-    };
-    const Rgb none(0.0f);
-    for (const double emission : {1e-30, 1e30}) {
-        append(all,
-               furnace(std::string("emission ") + (emission < 1.0 ? "1e-30" : "1e30"),
-                       {.spec = medium(Rgb(0.5f), Rgb(0.5f, 1.0f, 0.5f), emission, 0.0, lumps()),
-                        .sky = emission}));
-    }
-    const Vec3 far(1e6, -2e6, 3e6);
-    append(all,
-           furnace("cloud 3.7e6 m from the origin",
-                   {.spec = medium(none, Rgb(1, 2, 3), 0.0, 0.0, lumps(far)), .middle_m = far}));
-    for (const double cell : {1e-4, 1e5}) {
-        const auto per_m = static_cast<float>(0.5 / cell);
-        append(all, furnace(cell < 1.0 ? "cloud of 2.4 mm" : "cloud of 2,400 km",
-                            {.spec = medium(none, Rgb(per_m, 2 * per_m, per_m), 0.0, 0.9,
-                                            lumps(Vec3(0.0), cell)),
-                             .size_m = 24.0 * cell}));
-    }
-}
-
 }  // namespace
 
 std::vector<StabilityCase> media_cases() {
@@ -474,7 +328,7 @@ std::vector<StabilityCase> media_cases() {
     stiff_spectra(all);
     bounds(all);
     transmittances(all);
-    furnaces(all);
+    for (StabilityCase& one : furnace_cases()) all.push_back(std::move(one));
     return all;
 }
 

@@ -22,7 +22,7 @@ constexpr double kClearance_m = 1.0;
 /// What the voxels fill, in voxels.
 class Search {
   public:
-    Search(const Scene& scene, const VoxelBox& box)
+    Search(const Scene& scene, const Box& box)
         : tree_(scene.tree),
           middle_y_(0.5 * (box.low.y + box.high.y)),
           voxel_m_(scene.voxel_size_m),

@@ -48,12 +48,12 @@ int truth_grid(const AuditSpec& spec, size_t i) {
     const int least = spec.rel_mse ? kLeastRelativeGrid : kLeastTruthGrid;
     const double rays = static_cast<double>(spec.aux[i].samples);
     return std::clamp(static_cast<int>(std::ceil(kTruthPerRay * std::sqrt(rays))), least,
-                      kTruthGrids.back());
+                      spec.largest_truth_grid);
 }
 
 /// Rays that one audit of a pixel casts.
 double rays_of(const AuditSpec& spec, size_t i) {
-    if (spec.against == Against::kReference) return 16.0;
+    if (spec.reference_rays) return 16.0;
     const int grid = truth_grid(spec, i);
     return 2.0 * grid * grid;
 }
@@ -111,12 +111,9 @@ class AuditRun {
             random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditChoice), part}));
     }
     TruthPair truth_of(const CubePixel& stored, uint64_t part, int grid, CostStats& stats) const {
-        const CubePixel owner = owner_of(stored, n_);
-        const View view = cube_face_view(owner.face, n_, spec_.origin);
         const uint64_t key =
             random_key({spec_.key, static_cast<uint64_t>(StreamPurpose::kAuditTruth), part});
-        return truth_pair(spec_.scene, view, owner.x, owner.y,
-                          {.against = spec_.against, .grid = grid, .key = key}, stats);
+        return spec_.truth(owner_of(stored, n_), grid, key, stats);
     }
 
     /// Calls measure(i, stats) for i < count in parallel; adds up the costs in order.
@@ -262,6 +259,14 @@ class AuditRun {
 };
 
 }  // namespace
+
+TruthOf voxel_truth(const RenderScene& scene, const Vec3& origin, int n, Against against) {
+    return [&scene, origin, n, against](const CubePixel& owner, int grid, uint64_t key,
+                                        CostStats& stats) {
+        return truth_pair(scene, cube_face_view(owner.face, n, origin), owner.x, owner.y,
+                          {.against = against, .grid = grid, .key = key}, stats);
+    };
+}
 
 Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel) {
     return AuditRun(spec, cancel).run();

@@ -12,6 +12,7 @@
 // The same draws tell how wrong the spherical harmonics are (sh_audit.h).
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -31,16 +32,26 @@ struct Audit {
     CostStats cost;
 };
 
+/// Two independent estimates of the truth of an owner pixel, of grid × grid rays each, from the
+/// random stream of that key.
+using TruthOf =
+    std::function<TruthPair(const CubePixel& owner, int grid, uint64_t key, CostStats& stats)>;
+/// Of voxels alone (truth_pair), for a probe at `origin` (voxels) with faces of n pixels. The scene
+/// outlives it.
+TruthOf voxel_truth(const RenderScene& scene, const Vec3& origin, int n,
+                    Against against = Against::kTruth);
+
 /// What is audited and how.
 struct AuditSpec {
-    const RenderScene& scene;
-    Vec3 origin{0.0};  // of the probe, voxels
+    TruthOf truth;
     const Cubemap& as_written;
     std::span<const PixelAux> aux;
     double exposure = 1.0;
-    Against against = Against::kTruth;
-    /// Rays per side of r1 and r2; none: as many as each pixel needs.
+    /// Whether the truth is the 4 × 4 reference, of 16 rays whatever the grid.
+    bool reference_rays = false;
+    /// Rays per side of r1 and r2; none: as many as each pixel needs, at most the largest.
     std::optional<int> truth_grid;
+    int largest_truth_grid = kTruthGrids.back();
     Weighting weighting = Weighting::kUniform;
     /// Draws; none: as many as `rays` pay for, within the bounds.
     std::optional<int> pixels;

@@ -29,6 +29,10 @@ constexpr double kHarderLook = 4.0;
 constexpr double kHardestLook = 16.0;
 /// As good as met, for leaf rays alone, at this confidence.
 constexpr double kLeafRaysConfidence = 0.7;
+/// Paths of each mean of an audit: so many, squared, at most; and of those of the render in a
+/// pixel, for irradiance.
+constexpr int kLargestPathGrid = 64;
+constexpr double kIrradiancePaths = 0.6;
 constexpr int kLeastAuditPixels = 12;
 constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
@@ -65,7 +69,8 @@ class Unit {
         const auto start = std::chrono::steady_clock::now();
         result_.probe = params_.probe;
         result_.state = pilot_.state.spec;
-        result_.far_m = effective_far_m(scene_, probe_);
+        result_.far_m = through_media() ? effective_far_through_media_m(scene_, probe_)
+                                        : effective_far_m(scene_, probe_);
         result_.inside_voxel = scene_.inside_voxel(probe_.position_m);
         if (steered()) {
             refine_until_good();
@@ -181,13 +186,16 @@ class Unit {
     /// Renders by other renderers, one finer than the other.
     void render_until_good() {
         result_.settings = pilot_.settings;
-        if (params_.out_of_time) result_.settings = {.kind = RendererKind::kLod};
+        if (params_.out_of_time) {
+            result_.settings = through_media()
+                                   ? RenderSettings{.kind = RendererKind::kPaths, .samples = 2}
+                                   : RenderSettings{.kind = RendererKind::kLod};
+        }
         size_t next = 0;
         bool fresh = true;
         for (;;) {
             if (fresh) {
-                take(render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
-                                    cancel_, ray_limit(job_, probe_)));
+                take(render());
             }
             if (!audits()) return;
             look();
@@ -243,6 +251,25 @@ class Unit {
             ++next;
         }
         return next;
+    }
+
+    bool through_media() const { return pilot_.media != nullptr; }
+
+    VolumeView paths_view() const {
+        return volume_view(
+            scene_, probe_,
+            random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kMediaRender),
+                        params_.probe, stream_of(pilot_.state.spec)}));
+    }
+
+    CubemapRender render() const {
+        const std::optional<uint64_t> limit = ray_limit(job_, probe_);
+        if (through_media()) {
+            return render_through_media(scene_, *pilot_.media->tracer, paths_view(),
+                                        result_.settings, limit, cancel_);
+        }
+        return render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
+                              cancel_, limit);
     }
 
     void take(CubemapRender render) {
@@ -309,22 +336,39 @@ class Unit {
                             .draws = size->samples};
     }
 
+    /// As many rays per side, or paths in all, as the audit asks for in each of two means.
+    TruthOf truth() const {
+        if (!through_media()) {
+            return voxel_truth(render_scene_, origin_, probe_.face_size_px, job_.quality.against);
+        }
+        return [this, view = paths_view()](const CubePixel& owner, int grid, uint64_t key,
+                                           CostStats& stats) {
+            return path_truth(*pilot_.media->tracer, view, owner, grid * grid, key, stats);
+        };
+    }
+
+    /// Rays per side of each mean where every pixel has the same.
+    int truth_grid() const {
+        if (!wants_leaf_rays_only(job_)) return pilot_.truth_grid;
+        if (!through_media()) return irradiance_truth_grid(result_.settings.leaf_grid);
+        return std::max(1,
+                        static_cast<int>(std::sqrt(kIrradiancePaths * result_.settings.samples)));
+    }
+
     Audit audit(uint64_t look) const {
         const bool ssim = has_target(job_.quality, QualityTarget::Metric::kSsim);
         const bool irradiance = has_target(job_.quality, QualityTarget::Metric::kIrradianceRel);
-        const int grid = wants_leaf_rays_only(job_)
-                             ? irradiance_truth_grid(result_.settings.leaf_grid)
-                             : pilot_.truth_grid;
+        const int grid = truth_grid();
         const double one_shot = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
         const double share = wants_leaf_rays_only(job_) ? kLeafRaysShare : one_shot;
         const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
         AuditSpec spec{
-            .scene = render_scene_,
-            .origin = origin_,
+            .truth = truth(),
             .as_written = as_written_,
             .aux = render_.aux,
             .exposure = pilot_.exposure,
-            .against = job_.quality.against,
+            .reference_rays = job_.quality.against == Against::kReference,
+            .largest_truth_grid = through_media() ? kLargestPathGrid : kTruthGrids.back(),
             .weighting = job_.quality.weighting,
             .pixels = job_.quality.evidence.pixels_per_probe,
             .rays = rays,
@@ -393,20 +437,6 @@ CostStats ProbeResult::render_cost() const {
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel) {
     return Unit(scene, job, pilot, unit, cancel).run();
-}
-
-std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
-    std::optional<uint64_t> limit;
-    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
-        limit = static_cast<uint64_t>(job.quality.targets.front().value);
-    }
-    if (job.budget.rays) {
-        const auto share =
-            static_cast<uint64_t>(static_cast<unsigned __int128>(*job.budget.rays) *
-                                  owned_pixel_count(probe.face_size_px) / pixel_count(job));
-        limit = std::min(limit.value_or(share), share);
-    }
-    return limit;
 }
 
 int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays) {

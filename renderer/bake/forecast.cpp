@@ -17,8 +17,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr size_t kMostProbes = 4;
 constexpr int kLargestFace_px = 64;
-/// Of a process that has baked nothing yet: code, libraries, threads.
-constexpr uint64_t kProcessBytes = uint64_t{22} << 20;
+/// Of a process that has baked nothing yet: code, libraries (OpenVDB the most), threads.
+constexpr uint64_t kProcessBytes = uint64_t{46} << 20;
 /// Steps of a ray that lights, and bytes of light per exposed face (docs/decisions.md, "Light is a
 /// stage of its own").
 constexpr double kStepsPerLightingRay = 12.0;

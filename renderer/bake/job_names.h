@@ -13,7 +13,7 @@ inline constexpr std::array<std::string_view, 6> kMetricNames = {
     "psnr_db", "rmse", "ssim", "rays", "irradiance_rel", "rel_mse"};
 inline constexpr std::array<std::string_view, 2> kRequireNames = {"all", "any"};
 inline constexpr std::array<std::string_view, 2> kAgainstNames = {"truth", "reference"};
-/// Those of RendererKind, then "auto": the plan chooses.
+/// Those of RendererKind that a client may name, then "auto": the plan chooses.
 inline constexpr std::array<std::string_view, 6> kRendererNames = {
     "reference", "lod", "adaptive", "error_aware", "hybrid", "auto"};
 inline constexpr std::array<std::string_view, 2> kWeightingNames = {"uniform", "solid_angle"};

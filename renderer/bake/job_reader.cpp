@@ -208,6 +208,7 @@ class JobReader {
         if (renderer + 1 < kRendererNames.size()) {
             spec_.quality.renderer = static_cast<RendererKind>(renderer);
         }
+        read_tracker(reader);
         spec_.quality.against = static_cast<Against>(reader.choice("against", kAgainstNames, 0));
         spec_.quality.weighting =
             static_cast<Weighting>(reader.choice("weighting", kWeightingNames, 0));
@@ -258,6 +259,14 @@ class JobReader {
             spec_.quality.targets = {
                 {QualityTarget::Metric::kIrradianceRel, kDefaultIrradianceRel}};
         }
+    }
+
+    /// All but "none", which renders nothing.
+    void read_tracker(ObjectReader& quality) {
+        std::array<std::string_view, kTrackerKinds> names{"auto"};
+        for (size_t i = 1; i < names.size(); ++i) names[i] = name_of(static_cast<TrackerKind>(i));
+        const size_t tracker = quality.choice("tracker", names, 0);
+        if (tracker > 0) spec_.quality.tracker = static_cast<TrackerKind>(tracker);
     }
 
     void read_settings(ObjectReader& quality) {

@@ -92,6 +92,20 @@ uint64_t pixel_count(const JobSpec& spec) {
     return pixels;
 }
 
+std::optional<uint64_t> ray_limit(const JobSpec& job, const ProbeSpec& probe) {
+    std::optional<uint64_t> limit;
+    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
+        limit = static_cast<uint64_t>(job.quality.targets.front().value);
+    }
+    if (job.budget.rays) {
+        const auto share =
+            static_cast<uint64_t>(static_cast<unsigned __int128>(*job.budget.rays) *
+                                  owned_pixel_count(probe.face_size_px) / pixel_count(job));
+        limit = std::min(limit.value_or(share), share);
+    }
+    return limit;
+}
+
 Json write_settings(const RenderSettings& settings) {
     Json json = {{"renderer", name_of(settings.kind)}};
     if (settings.kind == RendererKind::kErrorAware) {
@@ -107,6 +121,10 @@ Json write_settings(const RenderSettings& settings) {
         json["spread"] = settings.spread;
     }
     if (settings.kind == RendererKind::kHybrid) json["price"] = settings.price;
+    if (settings.kind == RendererKind::kPaths) {
+        json["samples"] = settings.samples;
+        json["noise"] = settings.noise;
+    }
     if (settings.kind == RendererKind::kAdaptive) {
         json["normaliser"] = settings.normaliser;
         json["misses_in_kernel"] = kMissesNames[static_cast<size_t>(settings.misses_in_kernel)];
@@ -133,6 +151,7 @@ Json write_job(const JobSpec& spec) {
     }
     out["require"] = kRequireNames[static_cast<size_t>(quality.require)];
     out["renderer"] = quality.renderer ? name_of(*quality.renderer) : "auto";
+    if (quality.tracker) out["tracker"] = name_of(*quality.tracker);
     out["against"] = name_of(quality.against);
     out["weighting"] = kWeightingNames[static_cast<size_t>(quality.weighting)];
     if (quality.exposure) out["exposure"] = *quality.exposure;

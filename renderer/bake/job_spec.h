@@ -15,6 +15,7 @@
 #include "image/metrics.h"
 #include "io/json.h"
 #include "render/render_settings.h"
+#include "track/choice.h"
 
 namespace probebake {
 
@@ -79,6 +80,8 @@ struct QualitySpec {
     Require require = Require::kAll;
     /// None: the plan chooses.
     std::optional<RendererKind> renderer;
+    /// Of paths through media. None: the plan's rule and the pilot choose.
+    std::optional<TrackerKind> tracker;
     /// Settings of the client's own: nothing is searched, the target only judges the outcome.
     std::optional<RenderSettings> settings;
     Against against = Against::kTruth;
@@ -132,6 +135,10 @@ struct JobLimits {
 /// question.
 JobSpec read_job(const Json& request, const JobLimits& limits = {});
 Json write_job(const JobSpec& spec);
+
+/// Rays (of paths: paths) that a probe may cast in one state, from the target and the budget; none:
+/// as many as its settings ask for.
+std::optional<uint64_t> ray_limit(const JobSpec& spec, const ProbeSpec& probe);
 
 /// Whether the job wants irradiance and leaves the way there to us: leaf rays, one per pixel to
 /// begin with, whose errors average out over the sphere.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 
+#include "bake/media_pilot.h"
+
 namespace probebake {
 namespace {
 
@@ -229,6 +231,7 @@ class Search {
             case RendererKind::kAdaptive:
                 return finest_settings(plan_.renderers).front();
             case RendererKind::kLod:
+            case RendererKind::kPaths:
                 break;
         }
         return {.kind = RendererKind::kLod};
@@ -345,6 +348,7 @@ Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
 
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
+    if (sees_media(scene, state.spec)) return run_media_pilot(scene, job, state, cancel, time);
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [start] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bake/error_prior.h"
+#include "bake/media_state.h"
 #include "bake/pilot_sample.h"
 #include "bake/plan.h"
 
@@ -41,6 +42,7 @@ struct FinerSettings {
 
 struct Pilot {
     ReadyState state;
+    std::shared_ptr<const MediaState> media;  // where the state is seen through them
     double exposure = 1.0;
     int truth_grid = kTruthGrids.front();  // that audits use, too
     RenderSettings settings;

@@ -261,6 +261,7 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
                                         sample_.pixels[at.index].hybrid.pixel.evidence.contrast,
                                         settings, stats);
                 case RendererKind::kAdaptive:
+                case RendererKind::kPaths:
                     break;
             }
             const int grid = adaptive_grid(sample_.pixels[at.index].variation, settings.normaliser);

@@ -13,6 +13,9 @@
 namespace probebake {
 namespace {
 
+/// Sums of a pixel's paths and what is made of them (volume_cubemap.cpp).
+constexpr uint64_t kPathBytesPerTexel = 128;
+
 /// Everything of a job that no state, product or target asks for.
 std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan& plan) {
     std::vector<LeftOut> out;
@@ -30,6 +33,17 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         leave("emission colours", "no voxel of the scene emits");
     } else if (!emission_asked) {
         leave("emission colours", "no lighting state shows emission");
+    }
+    if (scene.media.empty()) {
+        leave("paths through media", "the scene has no media");
+    } else if (!plan.media) {
+        leave("paths through media", "albedo is reflectance: media have none");
+    } else {
+        leave("light per face", "paths meet sun and sky by themselves");
+        for (const std::string& text : plan.media->choice.left_out) {
+            const size_t colon = text.find(": ");
+            out.push_back({text.substr(0, colon), text.substr(colon + 2)});
+        }
     }
     if (!plan.needs_error_table) leave("error table", "no renderer of this job looks at it");
     if (plan.leaf_rays_only) {
@@ -83,8 +97,8 @@ JobSize size_of_job(const JobSpec& job) {
     JobSize size;
     int largest = 0;
     for (const ProbeSpec& probe : job.probes) largest = std::max(largest, probe.face_size_px);
-    const uint64_t unit_texels =
-        6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
+    size.unit_texels = 6 * static_cast<uint64_t>(largest) * static_cast<uint64_t>(largest);
+    const uint64_t unit_texels = size.unit_texels;
     // The render (twice while faces become a cube), the values as written, and the encoded files.
     size.unit_bytes =
         unit_texels *
@@ -110,15 +124,27 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
                              plan.renderers.front() == RendererKind::kHybrid;
     plan.needs_pilot = !job.quality.settings && !plan.leaf_rays_only;
     plan.needs_audit = job.quality.evidence.audit;
+    const bool through_media =
+        std::any_of(job.states.begin(), job.states.end(),
+                    [&](const LightingState& state) { return sees_media(scene, state); });
+    if (through_media) {
+        plan.media = plan_media(scene, job);
+    } else if (job.quality.tracker) {
+        throw SpecError(SpecError::Kind::kUnacceptable, "/quality/tracker",
+                        scene.media.empty()
+                            ? "the scene has no media that a tracker could fly through"
+                            : "no state of this job is seen through media");
+    }
     plan.left_out = unneeded(scene, job, plan);
     plan.work_units = job.probes.size() * job.states.size();
     plan.texels = texel_count(job);
-    plan.scene_bytes = scene.tree.memory_bytes();
+    plan.scene_bytes = scene.memory_bytes();
     for (size_t i = 0; i < job.states.size(); ++i) check_sky_file(scene, job, i);
     plan.light_bytes = expected_light_bytes(scene, job);
 
     const JobSize size = size_of_job(job);
     plan.bytes_per_unit = size.unit_bytes;
+    if (plan.media) plan.bytes_per_unit += size.unit_texels * kPathBytesPerTexel;
     plan.output_bytes = size.output_bytes;
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
@@ -129,6 +155,12 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     if (inside > 0) {
         plan.warnings.push_back(std::to_string(inside) +
                                 " probes lie in a voxel, which their rays pass through");
+    }
+    for (const Medium& medium : scene.media.all()) {
+        const auto* shape = std::get_if<HomogeneousShape>(&medium.spec.shape);
+        if (!plan.media || shape == nullptr || shape->box_m) continue;
+        plan.warnings.push_back("medium '" + medium.spec.name +
+                                "' never ends: no light of sun or sky comes through it");
     }
     for (const std::string& warning : scene.warnings) plan.warnings.push_back(warning);
     return plan;
@@ -148,6 +180,13 @@ Json write_plan(const Plan& plan) {
                  {"left_out", Json::array()},
                  {"warnings", plan.warnings}};
     for (const RendererKind kind : plan.renderers) json["renderers"].push_back(name_of(kind));
+    if (plan.media) {
+        json["media"] = {{"tracker", name_of(plan.media->choice.tracker)},
+                         {"transmittance", name_of(plan.media->choice.transmittance)},
+                         {"reason", plan.media->choice.reason},
+                         {"media", plan.media->media},
+                         {"bytes", plan.media->bytes}};
+    }
     for (const LeftOut& left : plan.left_out) {
         json["left_out"].push_back({{"what", left.what}, {"why", left.why}});
     }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/job_spec.h"
+#include "bake/media_state.h"
 #include "scene/scene.h"
 
 namespace probebake {
@@ -25,11 +25,13 @@ struct Plan {
     bool leaf_rays_only = false;  // one per pixel to begin with; nothing is searched
     bool needs_pilot = false;     // to search settings
     bool needs_audit = false;
+    /// Where a state is seen through media: how.
+    std::optional<MediaPlan> media;
     std::vector<LeftOut> left_out;
     std::vector<std::string> warnings;
     uint64_t work_units = 0;  // probes × states
     uint64_t texels = 0;
-    uint64_t scene_bytes = 0;     // tree and colours, shared by all jobs on the scene
+    uint64_t scene_bytes = 0;     // tree, colours and media, shared by all jobs on the scene
     uint64_t light_bytes = 0;     // of all lit states together, expected (all are held at once)
     uint64_t bytes_per_unit = 0;  // largest work unit while it is rendered and encoded
     uint64_t output_bytes = 0;    // at most: uncompressed products

@@ -54,6 +54,8 @@ enum class StreamPurpose : uint64_t {
     kAuditChoice = 3,
     kAuditTruth = 4,
     kLighting = 5,
+    kMediaPilot = 6,
+    kMediaRender = 7,
 };
 
 }  // namespace probebake

@@ -77,6 +77,7 @@ ReplayedPixel replay(const SearchPixel& pixel, const RenderSettings& settings) {
         case RendererKind::kHybrid:
             return replay_hybrid(pixel.hybrid, settings);
         case RendererKind::kAdaptive:
+        case RendererKind::kPaths:  // never replayed
             break;
     }
     const int grid = adaptive_grid(pixel.variation, settings.normaliser);
@@ -208,6 +209,7 @@ std::vector<RenderSettings> candidate_settings(const SearchSample& sample,
                 add(error_aware_settings(sample, max_leaf_grid));
                 break;
             case RendererKind::kHybrid:
+            case RendererKind::kPaths:
                 break;
         }
     }
@@ -238,6 +240,7 @@ std::vector<RenderSettings> finest_settings(const std::vector<RendererKind>& ren
         case RendererKind::kReference:
             return reference_settings(kLeafGrids.back(), false);
         case RendererKind::kHybrid:
+        case RendererKind::kPaths:
             return {};
         case RendererKind::kErrorAware:
             break;

@@ -14,10 +14,21 @@ Json optional_json(const std::optional<T>& value) {
 }
 
 Json write_cost(const CostStats& cost) {
-    return {{"rays", cost.rays},       {"discarded_rays", cost.discarded_rays},
-            {"hit_rays", cost.hits()}, {"missed_rays", cost.missed_rays},
-            {"steps", cost.steps},     {"box_tests", cost.box_tests},
-            {"seconds", cost.seconds}};
+    Json json = {{"rays", cost.rays},       {"discarded_rays", cost.discarded_rays},
+                 {"hit_rays", cost.hits()}, {"missed_rays", cost.missed_rays},
+                 {"steps", cost.steps},     {"box_tests", cost.box_tests},
+                 {"seconds", cost.seconds}};
+    if (cost.media != MediaCost{}) {
+        json["media"] = {{"samples", cost.rays},
+                         {"lookups", cost.media.lookups},
+                         {"leaves", cost.media.leaves},
+                         {"collisions", cost.media.collisions},
+                         {"null_collisions", cost.media.null_collisions},
+                         {"scatterings", cost.media.scatterings},
+                         {"shadow_rays", cost.media.shadow_rays},
+                         {"faults", cost.media.faults}};
+    }
+    return json;
 }
 
 /// With the levels at which rays stopped, up to the highest one.
@@ -136,8 +147,8 @@ struct Costs {
     }
     /// By counted steps: a share that does not hang on the machine.
     static double share(const CostStats& part, const CostStats& render) {
-        return render.steps > 0
-                   ? static_cast<double>(part.steps) / static_cast<double>(render.steps)
+        return render.counted() > 0
+                   ? static_cast<double>(part.counted()) / static_cast<double>(render.counted())
                    : 0.0;
     }
     Json write() const {
@@ -190,6 +201,27 @@ Json write_steering(const Pilot& pilot) {
     return json;
 }
 
+/// What the pilot found of the media: the tracker, its rivals, the depths that were tried.
+Json write_media(const MediaState& media) {
+    const TrackerPilot& pilot = media.tracker_pilot;
+    Json json = {{"tracker", name_of(pilot.choice.tracker)},
+                 {"transmittance", name_of(pilot.choice.transmittance)},
+                 {"reason", pilot.choice.reason},
+                 {"rivals", Json::array()},
+                 {"octree_depths", Json::array()}};
+    for (const PilotRow& row : pilot.rows) {
+        json["rivals"].push_back({{"tracker", name_of(row.tracker)},
+                                  {"variance", row.variance},
+                                  {"cost", row.cost},
+                                  {"variance_times_cost", row.product()}});
+    }
+    for (const auto& [depth, cost] : media.depth.costs) {
+        json["octree_depths"].push_back(
+            {{"depth", depth}, {"cost", cost}, {"chosen", depth == media.depth.max_depth}});
+    }
+    return json;
+}
+
 Json write_state(const BakeRecord& record, const Pilot& pilot) {
     const double confidence = record.job.quality.evidence.confidence;
     const MeasuredError pooled = pooled_error(record, pilot.state.spec);
@@ -214,7 +246,15 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
                  {"results", verdicts},
                  {"cost", costs.write()},
                  {"curve", write_curve(pilot, confidence)}};
-    if (pilot.state.light) json["lighting"] = write_lighting(*pilot.state.light);
+    if (pilot.media) {
+        json["media"] = write_media(*pilot.media);
+        json["pilot"].erase("truth_grid");
+        if (pilot.state.light && !pilot.state.light->sky_sha256.empty()) {
+            json["media"]["sky_sha256"] = pilot.state.light->sky_sha256;
+        }
+    } else if (pilot.state.light) {
+        json["lighting"] = write_lighting(*pilot.state.light);
+    }
     if (pooled.mse.samples > 0) {
         json["error"] = write_error(pooled, confidence);
         json["error"]["evidence"] = name_of(EvidenceOf::kJob);
@@ -236,7 +276,7 @@ Json write_scene(const Scene& scene) {
             {"depth", tree.depth()},
             {"voxels", tree.voxel_count()},
             {"octree_nodes", tree.octree_node_count()},
-            {"bytes", tree.memory_bytes()},
+            {"bytes", scene.memory_bytes()},
             {"load",
              {{"seconds", load.total_seconds},
               {"from_cache", load.from_cache},
@@ -369,6 +409,10 @@ Json write_report(const BakeRecord& record) {
     if (float_atlases > 0) {
         warnings.push_back(std::to_string(float_atlases) +
                            " atlases of irradiance are FLOAT: they hold values above 65504");
+    }
+    if (const uint64_t faults = costs.render.media.faults; faults > 0) {
+        warnings.push_back(std::to_string(faults) +
+                           " paths through media were faults: given up, or beyond their bounds");
     }
     const QualitySpec& quality = record.job.quality;
     Json targets = Json::array();

@@ -152,10 +152,17 @@ class Reader {
 template <class T, class Of>
 concept Either = std::is_same_v<std::remove_const_t<T>, Of>;
 
+template <class Archive, Either<MediaCost> T>
+void fields(Archive& archive, T& cost) {
+    auto& [lookups, leaves, collisions, null_collisions, scatterings, shadow_rays, faults] = cost;
+    archive(lookups, leaves, collisions, null_collisions, scatterings, shadow_rays, faults);
+}
+
 template <class Archive, Either<CostStats> T>
 void fields(Archive& archive, T& cost) {
-    auto& [rays, discarded_rays, missed_rays, steps, box_tests, level_histogram, seconds] = cost;
-    archive(rays, discarded_rays, missed_rays, steps, box_tests, level_histogram, seconds);
+    auto& [rays, discarded_rays, missed_rays, steps, box_tests, level_histogram, seconds, media] =
+        cost;
+    archive(rays, discarded_rays, missed_rays, steps, box_tests, level_histogram, seconds, media);
 }
 
 template <class Archive, Either<HybridSwitches> T>
@@ -166,10 +173,10 @@ void fields(Archive& archive, T& hybrid) {
 
 template <class Archive, Either<RenderSettings> T>
 void fields(Archive& archive, T& s) {
-    auto& [kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, fixed_level,
-           normaliser, misses_in_kernel] = s;
-    archive(kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, fixed_level,
-            normaliser, misses_in_kernel);
+    auto& [kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, samples, noise,
+           fixed_level, normaliser, misses_in_kernel] = s;
+    archive(kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, samples, noise,
+            fixed_level, normaliser, misses_in_kernel);
 }
 
 template <class Archive, Either<Estimate> T>

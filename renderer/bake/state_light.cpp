@@ -58,6 +58,7 @@ ReadyState light_state(const Scene& scene, const JobSpec& job, size_t index,
     if (!state.lit()) return state;
     auto light = std::make_shared<StateLight>();
     light->sky = make_sky(scene, job, index, *light);
+    if (!scene.media.empty()) return {state, std::move(light)};  // paths meet sun and sky
     Lighting lighting{.sky = light->sky, .emission = state.emission};
     LightingParams params{
         .shadow = state.shadows,
@@ -82,6 +83,7 @@ ReadyState light_state(const Scene& scene, const JobSpec& job, size_t index,
 }
 
 uint64_t expected_light_bytes(const Scene& scene, const JobSpec& job) {
+    if (!scene.media.empty()) return 0;
     const auto count_of = [&](RadiancePer per) {
         return static_cast<uint64_t>(std::count_if(
             job.states.begin(), job.states.end(),

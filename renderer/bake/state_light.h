@@ -10,8 +10,8 @@
 namespace probebake {
 
 struct StateLight {
-    FaceColors colors;         // empty where the state has one value per voxel:
-    ColorLevels voxel_values;  // empty elsewhere
+    FaceColors colors;         // empty where the state has one value per voxel, or media are there
+    ColorLevels voxel_values;  // one per voxel; empty elsewhere
     Sky sky;
     LightingCost cost;
     std::string sky_sha256;  // of the picture's file; empty without

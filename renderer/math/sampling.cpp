@@ -61,6 +61,36 @@ uint32_t sobol_second(uint32_t index) {
     return bits;
 }
 
+using DirectionNumbers = std::array<uint32_t, 32>;
+
+/// Of the primitive polynomial x^degree + … + 1, whose middle coefficients are the bits of
+/// `middle`, from the first numbers m (Joe and Kuo 2008, new-joe-kuo-6).
+constexpr DirectionNumbers direction_numbers(uint32_t degree, uint32_t middle,
+                                             const std::array<uint32_t, 3>& m) {
+    DirectionNumbers v{};
+    for (uint32_t i = 0; i < 32; ++i) {
+        if (i < degree) {
+            v[i] = m[i] << (31 - i);
+            continue;
+        }
+        v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+        for (uint32_t k = 1; k < degree; ++k) {
+            if ((middle >> (degree - 1 - k) & 1u) != 0) v[i] ^= v[i - k];
+        }
+    }
+    return v;
+}
+constexpr DirectionNumbers kThird = direction_numbers(2, 1, {1, 3});
+constexpr DirectionNumbers kFourth = direction_numbers(3, 1, {1, 3, 1});
+
+uint32_t sobol(uint32_t index, const DirectionNumbers& directions) {
+    uint32_t bits = 0;
+    for (size_t i = 0; index != 0; index >>= 1, ++i) {
+        if ((index & 1u) != 0) bits ^= directions[i];
+    }
+    return bits;
+}
+
 }  // namespace
 
 Vec2 correlated_multi_jitter(uint32_t index, uint32_t columns, uint32_t rows, uint32_t pattern) {
@@ -81,6 +111,15 @@ Vec2 owen_sobol(uint32_t index, uint64_t key) {
     // The first dimension is the index with its bits reversed.
     return {scrambled(index, seed_x) * 0x1.0p-32,
             scrambled(reversed_bits(sobol_second(index)), seed_y) * 0x1.0p-32};
+}
+
+std::array<double, 4> owen_sobol_4d(uint32_t index, uint64_t key) {
+    const Vec2 first = owen_sobol(index, key);
+    const uint64_t other = mix64(key);
+    const auto third = static_cast<uint32_t>(other);
+    const auto fourth = static_cast<uint32_t>(other >> 32);
+    return {first.x, first.y, scrambled(reversed_bits(sobol(index, kThird)), third) * 0x1.0p-32,
+            scrambled(reversed_bits(sobol(index, kFourth)), fourth) * 0x1.0p-32};
 }
 
 }  // namespace probebake

@@ -1,6 +1,7 @@
-// Point sets in the unit square.
+// Point sets in the unit square, and in four dimensions.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "math/vec.h"
@@ -17,5 +18,8 @@ Vec2 correlated_multi_jitter(uint32_t index, uint32_t columns, uint32_t rows, ui
 /// one lies in its own cell of the 2^k × 2^k grid, and all points before it keep their places: a
 /// set that grows.
 Vec2 owen_sobol(uint32_t index, uint64_t key);
+
+/// The same in four dimensions; the first two are those of owen_sobol, every one is stratified.
+std::array<double, 4> owen_sobol_4d(uint32_t index, uint64_t key);
 
 }  // namespace probebake

@@ -9,6 +9,29 @@
 
 namespace probebake {
 
+/// Of paths through media; all 0 in scenes without.
+struct MediaCost {
+    uint64_t lookups = 0;     // of coefficients
+    uint64_t leaves = 0;      // pieces of media entered: octree leaves, stretches of fog
+    uint64_t collisions = 0;  // real ones
+    uint64_t null_collisions = 0;
+    uint64_t scatterings = 0;  // in media and at surfaces
+    uint64_t shadow_rays = 0;  // whose steps are among CostStats::steps
+    uint64_t faults = 0;       // paths given up, bounds that did not bound
+
+    bool operator==(const MediaCost&) const = default;
+    MediaCost& operator+=(const MediaCost& other) {
+        lookups += other.lookups;
+        leaves += other.leaves;
+        collisions += other.collisions;
+        null_collisions += other.null_collisions;
+        scatterings += other.scatterings;
+        shadow_rays += other.shadow_rays;
+        faults += other.faults;
+        return *this;
+    }
+};
+
 struct CostStats {
     uint64_t rays = 0;            // whose colour is part of a pixel
     uint64_t discarded_rays = 0;  // cast, judged too coarse, replaced by finer ones
@@ -18,9 +41,12 @@ struct CostStats {
     /// Kept rays that hit, by the octree level at which they stopped.
     std::array<uint64_t, kMaxDepth + 1> level_histogram{};
     double seconds = 0.0;  // summed over threads
+    MediaCost media;
 
     uint64_t all_rays() const { return rays + discarded_rays; }
     uint64_t hits() const { return rays - missed_rays; }
+    /// What it came to, whatever the machine: shares of cost are shares of this.
+    uint64_t counted() const { return steps + media.lookups + media.leaves; }
 
     void keep(const Hit& hit) {
         ++rays;
@@ -55,6 +81,7 @@ struct CostStats {
             level_histogram[i] += other.level_histogram[i];
         }
         seconds += other.seconds;
+        media += other.media;
         return *this;
     }
 };

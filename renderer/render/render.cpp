@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "render/adaptive.h"
 #include "render/error_aware.h"
@@ -50,6 +51,8 @@ class ViewRenderer {
                 break;
             case RendererKind::kHybrid:
                 return render_hybrid_view(scene_, view_, settings_, cancel_, extent_);
+            case RendererKind::kPaths:
+                throw std::invalid_argument("a view is not rendered by paths");
         }
         return std::move(out_);
     }
@@ -204,6 +207,8 @@ const char* name_of(RendererKind kind) {
             return "error_aware";
         case RendererKind::kHybrid:
             return "hybrid";
+        case RendererKind::kPaths:
+            return "paths";
     }
     return "";
 }

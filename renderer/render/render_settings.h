@@ -14,6 +14,7 @@ enum class RendererKind {
     kAdaptive,    // refines where the luminance of the one-ray image varies (5.1.2)
     kErrorAware,  // refines where the visibility error of the node hit is large (5.1.3)
     kHybrid,      // leaf visibility, LOD colours; refines where predicted error pays (hybrid.h)
+    kPaths,       // volumetric paths through media (scatter/), which the bake casts itself
 };
 
 /// What the adaptive renderer's 3×3 kernel does with pixels whose ray missed.
@@ -53,6 +54,10 @@ struct RenderSettings {
     /// G, B) that is predicted of it, per ray of the next stage, exceeds this.
     double price = 0.0;
     HybridSwitches hybrid;
+    /// Of paths: in every pixel to begin with; and the root mean square standard error (radiance)
+    /// down to which more are added where the variance is, 0: none are added.
+    int samples = 16;
+    double noise = 0.0;
     /// Level of detail of the first ray: the pixel's footprint, or a fixed octree level (each
     /// refinement goes one level down).
     std::optional<int> fixed_level;

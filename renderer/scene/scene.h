@@ -8,6 +8,7 @@
 #include <string>
 
 #include "math/vec.h"
+#include "volume/media.h"
 #include "voxels/voxel_tree.h"
 
 namespace probebake {
@@ -27,6 +28,7 @@ struct Scene {
     std::string author;  // for pictures of scenes that need one named
     std::string licence;
     VoxelTree tree;
+    Media media;  // in metres; octrees of the default depth
     double voxel_size_m = 1.0;
     Vec3 corner_m{0.0};
     std::filesystem::path folder;       // of the scene file and of pictures of skies
@@ -35,6 +37,7 @@ struct Scene {
 
     Vec3 to_voxels(const Vec3& position_m) const { return (position_m - corner_m) / voxel_size_m; }
     Vec3 to_metres(const Vec3& position) const { return position * voxel_size_m + corner_m; }
+    uint64_t memory_bytes() const { return tree.memory_bytes() + media.memory_bytes(); }
     bool emits() const { return !tree.colors().emission.empty(); }
 
     /// Distance in metres beyond which no ray from this point can meet a voxel.

@@ -125,10 +125,11 @@ Scene scene_of(const SceneFile& file) {
     return scene;
 }
 
-void put_world(World world, const Vec3& origin_m, Scene& scene) {
+void put_world(World world, const SceneFile& file, Scene& scene) {
     scene.tree = std::move(world.tree);
     scene.warnings = std::move(world.warnings);
-    scene.corner_m = origin_m + Vec3(world.lowest) * scene.voxel_size_m;
+    scene.corner_m = file.origin_m + Vec3(world.lowest) * scene.voxel_size_m;
+    scene.media = load_media(file.media);
 }
 
 }  // namespace
@@ -172,6 +173,7 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
             file.heightmap = read_heightmap(reader, path.parent_path());
         }
     }
+    file.media = read_media(reader, file.folder);
     reader.refuse_unknown();
     issues.throw_if_any();
     return file;
@@ -185,6 +187,9 @@ std::string content_sha256(const SceneFile& file) {
     if (file.heightmap) {
         sha.update(read_file_beneath(file.heightmap->heights));
         if (file.heightmap->colors) sha.update(read_file_beneath(*file.heightmap->colors));
+    }
+    for (const MediumFile& medium : file.media) {
+        if (medium.vdb) sha.update(read_file_beneath(medium.vdb->path));
     }
     return sha.hex();
 }
@@ -202,7 +207,7 @@ Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::pat
     } catch (const std::runtime_error& error) {  // costs time later, nothing else
         world.warnings.push_back(std::string("the scene cache was not written: ") + error.what());
     }
-    put_world(std::move(world), file.origin_m, scene);
+    put_world(std::move(world), file, scene);
     scene.load.total_seconds = seconds_since(start);
     return scene;
 }
@@ -219,7 +224,7 @@ std::optional<Scene> find_cached_scene(const SceneFile& file,
     std::optional<World> world = load_world(cached_tree(cache_dir, scene.sha256));
     if (!world) return std::nullopt;
     scene.load.from_cache = true;
-    put_world(std::move(*world), file.origin_m, scene);
+    put_world(std::move(*world), file, scene);
     scene.load.total_seconds = seconds_since(start);
     return scene;
 }

@@ -7,7 +7,8 @@
 //   vox           file: a .vox file in the same folder; voxel_size_m (required, > 0)
 //   heightmap     file: a 16-bit grey PNG in the same folder; color_file: a PNG or JPEG there, of
 //                 the same size; height_scale_m per count and voxel_size_m (both required, > 0)
-//   all           origin_m: where the world's own origin lies, default [0, 0, 0]
+//   all           media: what fills the air (media_file.h), default none
+//                 origin_m: where the world's own origin lies, default [0, 0, 0]
 //                 author, licence, description: texts, optional
 //
 // Names of scenes and files match [a-z0-9][a-z0-9._-]{0,63} (files also upper case); nothing a
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "scene/generators/generators.h"
+#include "scene/media_file.h"
 #include "scene/scene.h"
 
 namespace probebake {
@@ -44,6 +46,7 @@ struct SceneFile {
     std::optional<GeneratorParams> generator;
     std::optional<std::filesystem::path> vox;
     std::optional<HeightmapFiles> heightmap;
+    std::vector<MediumFile> media;
     /// Where the files lie that it names, and pictures of skies.
     std::filesystem::path folder;
     /// Content of the scene file, for the hash.

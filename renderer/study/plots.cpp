@@ -55,22 +55,6 @@ std::string script_of(const Plot& plot) {
     return text + "\n";
 }
 
-bool run_gnuplot(const std::filesystem::path& folder, const std::string& script) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1, 0);
-    std::string program = "gnuplot";
-    std::string argument = script;
-    char* const arguments[] = {program.data(), argument.data(), nullptr};
-    pid_t child = 0;
-    const int failed = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed != 0) return false;
-    int status = 0;
-    return ::waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
 Plot equal_steps_plot(const Json& experiment, const std::string& name, const std::string& what) {
     Plot plot{.name = name,
               .title = "Error-aware over the better adaptive baseline, " + what,
@@ -125,6 +109,22 @@ Plot decays_plot(const Json& experiment) {
 }
 
 }  // namespace
+
+bool run_gnuplot(const std::filesystem::path& folder, const std::string& script) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1, 0);
+    std::string program = "gnuplot";
+    std::string argument = script;
+    char* const arguments[] = {program.data(), argument.data(), nullptr};
+    pid_t child = 0;
+    const int failed = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failed != 0) return false;
+    int status = 0;
+    return ::waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
 
 bool write_plots(const std::filesystem::path& folder, const Json& results,
                  const std::string& note) {

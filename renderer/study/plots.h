@@ -12,4 +12,8 @@ namespace probebake::study {
 /// or it failed. `note` ends every title (the size of a reduced run).
 bool write_plots(const std::filesystem::path& folder, const Json& results, const std::string& note);
 
+/// Runs gnuplot on a script in a folder, which is where it works. False where there is none or it
+/// failed.
+bool run_gnuplot(const std::filesystem::path& folder, const std::string& script);
+
 }  // namespace probebake::study

@@ -105,6 +105,13 @@ int check(const BakeOptions& options) {
               << fixed(estimate["seconds_range"][1], 1) << " s, "
               << bytes_text(estimate["memory_bytes"]) << " of memory, "
               << bytes_text(estimate["output_bytes"]) << " of files\n";
+    if (made.contains("media")) {
+        for (const Json& medium : made["media"]["media"]) {
+            std::cout << "medium " << medium.get<std::string>() << '\n';
+        }
+        std::cout << "tracker " << made["media"]["tracker"].get<std::string>() << " ("
+                  << made["media"]["reason"].get<std::string>() << ")\n";
+    }
     for (const Json& left : made["left_out"]) {
         std::cout << "left out: " << left["what"].get<std::string>() << " ("
                   << left["why"].get<std::string>() << ")\n";

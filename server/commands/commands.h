@@ -27,5 +27,7 @@ void add_thesis_command(CLI::App& study_app, CommandWork& work);  // below study
 void add_beyond_command(CLI::App& study_app, CommandWork& work);
 void add_calibration_command(CLI::App& study_app, CommandWork& work);
 void add_octrees_command(CLI::App& study_app, CommandWork& work);
+void add_stability_command(CLI::App& study_app, CommandWork& work);
+void add_volumes_command(CLI::App& study_app, CommandWork& work);
 
 }  // namespace probebake

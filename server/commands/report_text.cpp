@@ -35,6 +35,10 @@ std::string settings_text(const Json& settings) {
         const std::string grid = std::to_string(settings["leaf_grid"].get<int>());
         text += " " + grid + "x" + grid;
     }
+    if (settings.contains("noise")) {
+        text += " " + std::to_string(settings["samples"].get<int>()) + "+, noise " +
+                fixed(settings["noise"], 4);
+    }
     if (settings.contains("spread")) text += " spread " + fixed(settings["spread"], 3);
     return text;
 }
@@ -73,6 +77,11 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
     text += table.text() + "\n";
 
     for (const Json& state : report["states"]) {
+        if (state.contains("media")) {
+            text += state["state"].get<std::string>() + ": tracker " +
+                    state["media"]["tracker"].get<std::string>() + " (" +
+                    state["media"]["reason"].get<std::string>() + ")\n";
+        }
         const Json& cost = state["cost"];
         text += state["state"].get<std::string>() + ": ";
         if (state.contains("error"))

@@ -93,6 +93,8 @@ void add_study_command(CLI::App& app, CommandWork& work) {
     add_beyond_command(*study, work);
     add_calibration_command(*study, work);
     add_octrees_command(*study, work);
+    add_volumes_command(*study, work);
+    add_stability_command(*study, work);
     auto* command = study->add_subcommand(
         "error-table",
         "Visibility error of the 256 child masks: accuracy of every table, or its values");

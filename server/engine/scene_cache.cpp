@@ -108,7 +108,7 @@ uint64_t SceneCache::memory_bytes() const {
 uint64_t SceneCache::loaded_bytes() const {
     uint64_t bytes = 0;
     for (const auto& [key, entry] : entries_) {
-        if (entry->scene) bytes += entry->scene->tree.memory_bytes();
+        if (entry->scene) bytes += entry->scene->memory_bytes();
     }
     return bytes;
 }

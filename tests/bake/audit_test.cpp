@@ -27,8 +27,7 @@ class AuditTest : public testing::Test {
     }
     Audit audit(const CubemapRender& render, const Cubemap& as_written, uint64_t key,
                 int pixels = 200, Weighting weighting = Weighting::kUniform) const {
-        return audit_cubemap({.scene = what_,
-                              .origin = origin_,
+        return audit_cubemap({.truth = truth_of_pixels_,
                               .as_written = as_written,
                               .aux = render.aux,
                               .exposure = 0.8,
@@ -42,6 +41,7 @@ class AuditTest : public testing::Test {
     ProbeSpec probe_ = test::small_job(1).probes[0];
     RenderScene what_ = render_scene(scene_, probe_, LightingState::kAlbedo);
     Vec3 origin_ = scene_.to_voxels(probe_.position_m);
+    TruthOf truth_of_pixels_ = voxel_truth(what_, origin_, kFace);
     CancelToken cancel_;
 };
 
@@ -91,8 +91,7 @@ TEST_F(AuditTest, EstimatesTheRelativeErrorOfTheWholeCube) {
     const double expected = *compare_cubemaps(as_written, truth, 0.8).cube.rel_mse;
     Moments moments;
     for (uint64_t run = 0; run < 300; ++run) {
-        const Audit audit = audit_cubemap({.scene = what_,
-                                           .origin = origin_,
+        const Audit audit = audit_cubemap({.truth = truth_of_pixels_,
                                            .as_written = as_written,
                                            .aux = render.aux,
                                            .exposure = 0.8,
@@ -113,8 +112,7 @@ TEST_F(AuditTest, WindowsEstimateTheSsimOfTheWholeCube) {
     const double expected = *compare_cubemaps(as_written, truth(), 0.8).cube.ssim;
     Moments moments;
     for (uint64_t run = 0; run < 40; ++run) {
-        const Audit audit = audit_cubemap({.scene = what_,
-                                           .origin = origin_,
+        const Audit audit = audit_cubemap({.truth = truth_of_pixels_,
                                            .as_written = as_written,
                                            .aux = render.aux,
                                            .exposure = 0.8,

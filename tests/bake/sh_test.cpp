@@ -71,8 +71,7 @@ TEST_F(ShTest, TheAuditEstimatesTheDifferencesAndItsIntervalsCover) {
         int covered_larger = 0;
         double high = 0.0;
         for (uint64_t run = 0; run < kRuns; ++run) {
-            const Audit audit = audit_cubemap({.scene = what,
-                                               .origin = origin,
+            const Audit audit = audit_cubemap({.truth = voxel_truth(what, origin, 16),
                                                .as_written = as_written,
                                                .aux = cube.aux,
                                                .truth_grid = c.truth_grid,

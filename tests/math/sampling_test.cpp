@@ -104,5 +104,18 @@ TEST(Sampling, OwenSobolGrowsFromGridToGrid) {
     }
 }
 
+TEST(Sampling, EveryDimensionOfOwenSobolIsStratified) {
+    for (uint64_t run = 0; run < 16; ++run) {
+        const uint64_t key = random_key({5, run});
+        std::array<std::set<int>, 4> strata;
+        for (uint32_t i = 0; i < 256; ++i) {
+            const std::array<double, 4> p = owen_sobol_4d(i, key);
+            for (size_t d = 0; d < 4; ++d) strata[d].insert(static_cast<int>(p[d] * 256.0));
+            ASSERT_EQ(Vec2(p[0], p[1]), owen_sobol(i, key));
+        }
+        for (const std::set<int>& hit : strata) EXPECT_EQ(hit.size(), 256u);
+    }
+}
+
 }  // namespace
 }  // namespace probebake

@@ -25,7 +25,7 @@ constexpr double kFarBelow = 0.4;
 constexpr double kShareThatMeets = 0.95;
 
 JobSpec job_of(const Scene& scene, const CalibratedJob& what) {
-    Json request = {{"scene", scene.name}, {"face_size_px", what.face_size_px}};
+    Json request = {{"scene", "calibrated"}, {"face_size_px", what.face_size_px}};
     int i = 0;
     for (const Vec3& p : suggest_probes(scene, what.probes, kProbeSeed)) {
         request["probes"]["list"].push_back(

@@ -1,0 +1,332 @@
+// Bakes through media: targets, audits, forced trackers, and what is refused.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <functional>
+
+#include "bake/bake_fixture.h"
+#include "bake/bake_probe.h"
+#include "bake/report.h"
+#include "image/exr.h"
+#include "scene/generators/cumulus.h"
+
+namespace probebake {
+namespace {
+
+MediumSpec cloud(const Rgb& absorption, const Rgb& scattering) {
+    MediumSpec spec{
+        .name = "cloud", .absorption_per_m = absorption, .scattering_per_m = scattering, .g = 0.6};
+    GridShape shape{.density = std::make_shared<DensityGrid>(make_cumulus({.size = 32}))};
+    shape.index_to_world.linear = glm::dmat3(0.4);
+    shape.index_to_world.offset = Vec3(-6.0, 0.0, 4.0);
+    spec.shape = std::move(shape);
+    return spec;
+}
+
+MediumSpec haze() {
+    return {.name = "haze",
+            .absorption_per_m = Rgb(0.01f),
+            .scattering_per_m = Rgb(0.02f),
+            .g = 0.3,
+            .shape = HomogeneousShape{Box{{-20, -5, -10}, {20, 30, 35}}}};
+}
+
+constexpr int kFace = 8;
+constexpr double kTarget = 0.12;
+
+const Json kDay = Json::parse(R"({"id": "day",
+    "sun": {"direction": [1, 2, 0.5], "irradiance_w_m2": [3, 2, 1]},
+    "sky": {"type": "constant", "radiance_w_m2_sr": [0.2, 0.3, 0.5]}})");
+
+Json day_request(const Json& targets = {{"rmse", kTarget}}) {
+    Json request = test::small_request(2, targets);
+    request["face_size_px"] = kFace;
+    request["lighting_states"] = Json::array({kDay});
+    return request;
+}
+
+class MediaBake : public testing::Test {
+  protected:
+    MediaBake() { scene_.media = Media({cloud(Rgb(0.1f), Rgb(0.9f)), haze()}); }
+
+    Pilot pilot(const JobSpec& job) const {
+        return run_pilot(scene_, job, make_plan(scene_, job), light_state(scene_, job, 0, cancel_),
+                         cancel_);
+    }
+    ProbeResult bake(const JobSpec& job, const UnitParams& unit = {}) const {
+        return bake_probe(scene_, job, pilot(job), unit, cancel_);
+    }
+    static Cubemap cube_of(const ProbeResult& result) {
+        return decode_cubemap(result.files[0].bytes, "").cubemap;
+    }
+    /// JSON pointer of the one thing that is wrong with a job.
+    std::string refused(const Json& request) const {
+        try {
+            make_plan(scene_, read_job(request));
+        } catch (const SpecError& error) {
+            return error.issues().size() == 1 ? error.issues()[0].pointer : error.what();
+        }
+        return "";
+    }
+
+    Scene scene_ = test::small_scene();
+    CancelToken cancel_;
+};
+
+TEST_F(MediaBake, MeetsItsTargetAndSaysWhatItCost) {
+    Json request = day_request();
+    request["products"] = {"cube", "aux"};
+    request["quality"]["evidence"] = {{"pixels_per_probe", 500}};
+    const JobSpec job = read_job(request);
+    const Plan plan = make_plan(scene_, job);
+    ASSERT_TRUE(plan.media);
+    EXPECT_EQ(plan.media->choice.tracker, TrackerKind::kDelta);
+    EXPECT_EQ(plan.media->media.size(), 2u);
+
+    const Pilot pilot = this->pilot(job);
+    EXPECT_GE(pilot.curve.size(), 5u);
+    EXPECT_LT(pilot.curve.back().error.mse.value, pilot.curve.front().error.mse.value);
+    const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 1}, cancel_);
+    EXPECT_LE(result.certificate.error.mse.value, kTarget * kTarget);
+    EXPECT_GT(result.certificate.error.mse.value, 0.2 * kTarget * kTarget);
+    const MediaCost cost = result.render_cost().media;
+    EXPECT_GT(cost.lookups, cost.collisions);
+    EXPECT_GT(cost.null_collisions, 0u);
+    EXPECT_GT(cost.leaves, 0u);
+    EXPECT_EQ(cost.faults, 0u);
+    EXPECT_GE(result.render_cost().rays, 16 * owned_pixel_count(kFace));
+
+    const CubeAux aux = decode_aux(result.files[1].bytes, "aux.exr").aux;
+    uint32_t most = 0;
+    uint32_t least = 1u << 30;
+    double sum = 0.0;
+    for (const auto& pixel : aux.pixels) {
+        most = std::max(most, pixel.samples);
+        least = std::min(least, pixel.samples);
+        sum += double{glm::dot(pixel.standard_error, pixel.standard_error)} / 3.0;
+        EXPECT_TRUE(std::isfinite(pixel.z_m));
+    }
+    EXPECT_GE(least, 16u);
+    EXPECT_GT(most, 2 * least);  // samples go where the variance is
+    const double noise = std::sqrt(sum / static_cast<double>(aux.pixels.size()));
+    EXPECT_NEAR(noise, result.settings.noise, 0.2 * result.settings.noise);
+}
+
+/// The audit's estimate against the difference of two independent bakes, and a planted error.
+TEST_F(MediaBake, TheAuditSeesWhatIsWrong) {
+    Json request = day_request();
+    request["quality"]["evidence"] = {{"pixels_per_probe", 1500}};
+    request["quality"]["exposure"] = 1.0;
+    const JobSpec job = read_job(request);
+    request["seed"] = 8;
+    const JobSpec other = read_job(request);
+    const ProbeResult a = bake(job);
+    const Cubemap cube_a = cube_of(a);
+    const Cubemap cube_b = cube_of(bake(other));
+    double sum = 0.0;
+    for (size_t i = 0; i < cube_a.image().pixels().size(); ++i) {
+        const Vec3 d = Vec3(cube_a.image().pixels()[i]) - Vec3(cube_b.image().pixels()[i]);
+        sum += glm::dot(d, d) / 3.0;
+    }
+    const double halved = sum / 2.0 / static_cast<double>(cube_a.image().pixels().size());
+    const Interval interval = a.certificate.error.mse.interval(0.999);
+    EXPECT_LT(interval.low, 1.15 * halved);
+    EXPECT_GT(interval.high, 0.85 * halved);
+
+    // A render of a medium twice as dense as the one that it is audited against.
+    const Pilot right = pilot(job);
+    Scene denser = test::small_scene();
+    denser.media = Media({cloud(Rgb(0.2f), Rgb(1.8f)), haze()});
+    const Pilot wrong = run_pilot(denser, job, make_plan(denser, job),
+                                  light_state(denser, job, 0, cancel_), cancel_);
+    const VolumeView view = volume_view(scene_, job.probes[0], 99);
+    const auto audited = [&](const Pilot& rendered) {
+        const CubemapRender render =
+            render_through_media(scene_, *rendered.media->tracer, view,
+                                 {.kind = RendererKind::kPaths, .samples = 128}, {}, cancel_);
+        const AuditSpec spec{.truth =
+                                 [&](const CubePixel& owner, int, uint64_t key, CostStats& stats) {
+                                     return path_truth(*right.media->tracer, view, owner, 64, key,
+                                                       stats);
+                                 },
+                             .as_written = render.color,
+                             .aux = render.aux,
+                             .exposure = 1.0,
+                             .pixels = 800,
+                             .key = 5};
+        return audit_cubemap(spec, cancel_).error.mse;
+    };
+    EXPECT_GT(audited(wrong).interval(0.99).low, audited(right).interval(0.99).high);
+}
+
+TEST_F(MediaBake, EveryTrackerGivesTheSamePicture) {
+    scene_.media = Media({cloud(Rgb(0.1f, 0.2f, 0.3f), Rgb(0.5f, 0.8f, 1.2f)), haze()});
+    Json request = day_request({{"rays", 64 * owned_pixel_count(kFace)}});
+    request["quality"]["evidence"] = {{"audit", false}};
+    std::array<Moments, 3> reference;
+    for (const char* tracker : {"history_average", "weighted_decomposition", "spectral_mis"}) {
+        request["quality"]["tracker"] = tracker;
+        const JobSpec job = read_job(request);
+        const ProbeResult result = bake(job);
+        EXPECT_EQ(result.render_cost().media.faults, 0u) << tracker;
+        EXPECT_LE(result.render_cost().rays, 64 * owned_pixel_count(kFace));
+        EXPECT_GE(result.render_cost().rays, 62 * owned_pixel_count(kFace)) << tracker;
+        const Cubemap cube = cube_of(result);  // decoding refuses what is negative or not finite
+        for (int c = 0; c < 3; ++c) {
+            double mean = 0.0;
+            for (const Rgb& pixel : cube.image().pixels()) mean += double{pixel[c]};
+            mean /= static_cast<double>(cube.image().pixels().size());
+            reference[static_cast<size_t>(c)].add(mean);
+            // Sees a bias of 5 % of the mean radiance.
+            EXPECT_NEAR(mean, reference[static_cast<size_t>(c)].mean(), 0.05 * mean) << tracker;
+        }
+    }
+}
+
+TEST_F(MediaBake, AlbedoIsThatOfASceneWithoutMedia) {
+    const JobSpec job = test::small_job();
+    const ProbeResult through = bake(job);
+    EXPECT_EQ(through.render_cost().media, MediaCost{});
+    EXPECT_FALSE(make_plan(scene_, job).media);
+    scene_.media = Media();
+    EXPECT_EQ(through.files[0].sha256, bake(job).files[0].sha256);
+}
+
+TEST_F(MediaBake, TheSameBytesForAnyNumberOfThreads) {
+    const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
+    Json request = day_request({{"psnr_db", 18}});
+    request["products"] = {"cube", "aux", "sh"};
+    const JobSpec job = read_job(request);
+    const ProbeResult one = bake(job);
+    for (const int threads : {1, 7}) {
+        tbb::task_arena arena(threads);
+        ProbeResult many;
+        arena.execute([&] { many = bake(job); });
+        for (size_t i = 0; i < one.files.size(); ++i) {
+            EXPECT_EQ(many.files[i].sha256, one.files[i].sha256) << threads;
+        }
+    }
+}
+
+/// A furnace: a medium that absorbs nothing under a sky of 1 is not seen.
+TEST_F(MediaBake, AWhiteFurnaceIsWhite) {
+    scene_.tree = VoxelTree::build({.depth = 4});
+    scene_.media = Media({cloud(Rgb(0.0f), Rgb(1.0f, 2.0f, 3.0f))});
+    Json request = test::small_request(1, {{"rmse", 0.05}});
+    request["lighting_states"] = Json::parse(
+        R"([{"id": "furnace", "sky": {"type": "constant", "radiance_w_m2_sr": [1, 1, 1]}}])");
+    request["probes"]["list"][0]["position_m"] = {0.4, 6.4, 10.4};  // within the cloud
+    request["face_size_px"] = kFace;
+    request["quality"]["exposure"] = 1.0;
+    const ProbeResult result = bake(read_job(request));
+    const Cubemap cube = cube_of(result);
+    double sum = 0.0;
+    for (const Rgb& pixel : cube.image().pixels()) {
+        sum += double{pixel.r + pixel.g + pixel.b} / 3.0;
+    }
+    EXPECT_NEAR(sum / 384.0, 1.0, 0.01);
+    EXPECT_GT(result.render_cost().media.collisions, 0u);
+}
+
+TEST_F(MediaBake, IrradianceAndSsimAreTargetsToo) {
+    scene_.media = Media({haze()});
+    for (const Json& targets : {Json{{"irradiance_rel", 0.1}}, Json{{"ssim", 0.8}}}) {
+        Json request = day_request(targets);
+        request["face_size_px"] = 12;
+        const JobSpec job = read_job(request);
+        const ProbeResult result = bake(job);
+        EXPECT_TRUE(bound_meets(job.quality, result.certificate.error, 0.5)) << targets;
+    }
+}
+
+TEST_F(MediaBake, EmissionIsSeenThroughMedia) {
+    MediumSpec fire = cloud(Rgb(0.5f), Rgb(0.1f));
+    fire.emission = Rgb(2.0f, 1.0f, 0.5f);
+    scene_.media = Media({fire});
+    Json request = test::small_request(1, {{"rmse", 0.1}});
+    request["face_size_px"] = kFace;
+    request["lighting_states"] = Json::array({"emission"});
+    const Cubemap cube = cube_of(bake(read_job(request)));
+    Vec3 sum(0.0);
+    for (const Rgb& pixel : cube.image().pixels()) sum += Vec3(pixel);
+    EXPECT_GT(sum.r, 0.0);
+    EXPECT_NEAR(sum.g / sum.r, 0.5, 0.05);
+    EXPECT_NEAR(sum.b / sum.r, 0.25, 0.05);
+}
+
+TEST_F(MediaBake, WhatCannotBeIsRefused) {
+    EXPECT_EQ(refused(day_request()), "");
+    const auto with = [&](const std::function<void(Json&)>& change) {
+        Json request = day_request();
+        change(request);
+        return refused(request);
+    };
+    EXPECT_EQ(with([](Json& r) { r["quality"]["tracker"] = "woodcock"; }), "/quality/tracker");
+    EXPECT_EQ(with([](Json& r) { r["quality"]["tracker"] = "none"; }), "/quality/tracker");
+    EXPECT_EQ(with([](Json& r) { r["quality"]["tracker"] = "closed_form"; }), "/quality/tracker");
+    EXPECT_EQ(with([](Json& r) { r["quality"]["tracker"] = "spectral_mis"; }), "");
+    EXPECT_EQ(with([](Json& r) { r["quality"]["renderer"] = "hybrid"; }), "/quality/renderer");
+    EXPECT_EQ(with([](Json& r) { r["quality"]["against"] = "reference"; }), "/quality/against");
+    EXPECT_EQ(with([](Json& r) { r["lighting_states"][0]["radiance_per"] = "voxel"; }),
+              "/lighting_states/0/radiance_per");
+    EXPECT_EQ(with([](Json& r) {
+                  r["quality"]["targets"] = {{"rays", 500}};
+              }),
+              "/quality/targets/rays");
+    // A renderer is for the state that is not seen through media.
+    EXPECT_EQ(with([](Json& r) {
+                  r["lighting_states"].push_back("albedo");
+                  r["quality"]["renderer"] = "hybrid";
+              }),
+              "");
+    EXPECT_EQ(with([](Json& r) {
+                  r["lighting_states"] = Json::array({"albedo"});
+                  r["quality"]["tracker"] = "delta";
+              }),
+              "/quality/tracker");
+    scene_.media = Media();
+    EXPECT_EQ(with([](Json& r) { r["quality"]["tracker"] = "delta"; }), "/quality/tracker");
+}
+
+TEST_F(MediaBake, EndlessMediaAreWarnedOf) {
+    const JobSpec job = read_job(day_request());
+    const size_t before = make_plan(scene_, job).warnings.size();
+    MediumSpec endless = haze();
+    endless.shape = HomogeneousShape{};
+    scene_.media = Media({endless});
+    EXPECT_EQ(make_plan(scene_, job).warnings.size(), before + 1);
+}
+
+TEST_F(MediaBake, TheReportSaysWhichTrackerAndWhy) {
+    Json request = day_request({{"rmse", 0.3}});
+    const JobSpec job = read_job(request);
+    const Plan plan = make_plan(scene_, job);
+    const std::vector<Pilot> pilots{pilot(job)};
+    const std::vector<ProbeResult> results{
+        bake_probe(scene_, job, pilots[0], {.probe = 0}, cancel_),
+        bake_probe(scene_, job, pilots[0], {.probe = 1}, cancel_)};
+    const Json report = write_report(
+        {.scene = scene_, .job = job, .plan = plan, .pilots = pilots, .results = results});
+    EXPECT_EQ(report["plan"]["media"]["tracker"], "delta");
+    EXPECT_FALSE(report["plan"]["media"]["reason"].get<std::string>().empty());
+    const Json& state = report["states"][0];
+    EXPECT_EQ(state["settings"]["renderer"], "paths");
+    EXPECT_EQ(state["media"]["rivals"].size(), 2u);
+    EXPECT_GE(state["media"]["octree_depths"].size(), 2u);
+    const Json& cost = state["cost"]["render"]["media"];
+    for (const char* key : {"samples", "lookups", "leaves", "collisions", "null_collisions"}) {
+        EXPECT_GT(cost[key].get<uint64_t>(), 0u) << key;
+    }
+    EXPECT_TRUE(state["cost"]["audit"].contains("media"));
+    EXPECT_FALSE(state.contains("lighting"));
+    bool emission_left_out = false;
+    for (const Json& left : report["plan"]["left_out"]) {
+        emission_left_out = emission_left_out || left["what"] == "emission";
+    }
+    EXPECT_TRUE(emission_left_out);
+}
+
+}  // namespace
+}  // namespace probebake

@@ -1,0 +1,64 @@
+#!/usr/bin/python3
+"""check_media_cost.py MEDIA_COST [BAR]: instructions of the gray instance over those of the general
+one, by callgrind.
+
+Instructions per look-up and leaf (per look-up in one leaf), as the difference of two runs, which
+takes the set-up out of them. The tracker by itself, in one leaf, has to be at most BAR (0.6); the
+first flights of rays at most 0.75 where they are look-ups, the rest less than 1: octree walk,
+trilinear look-ups, shadow rays and new directions are the same code for both (docs/decisions.md).
+Given a BAR, only the tracker is looked at. 77, which ctest takes for "skipped", where there is no
+valgrind.
+"""
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+FEW, MANY = 100, 600
+
+
+def run(program, number, *arguments):
+    """Instructions; look-ups and leaves together."""
+    what, instance, depth = arguments
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run(
+            ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/out", program,
+             what, instance, str(number), depth], capture_output=True, text=True, check=True)
+    lookups, leaves = map(float, re.findall(r"([\d.]+) (?:lookups|leaves)", done.stdout))
+    counted = lookups if what == "leaf" else lookups + leaves
+    return int(re.search(r"Collected : (\d+)", done.stderr).group(1)), counted * number
+
+
+def price(program, *arguments):
+    few, few_counted = run(program, FEW, *arguments)
+    many, many_counted = run(program, MANY, *arguments)
+    return (many - few) / (many_counted - few_counted)
+
+
+def main():
+    if not shutil.which("valgrind"):
+        print("no valgrind here")
+        return 77
+    program = sys.argv[1]
+    tracker_alone = len(sys.argv) > 2
+    bar = float(sys.argv[2]) if tracker_alone else 0.6
+    failed = False
+    for what, depth, bars in [("leaf", "1", {"general": bar})] if tracker_alone else [
+            ("leaf", "1", {"general": bar}),
+            ("flights", "1", {"general": 0.8, "full": 0.75}),
+            ("flights", "6", {"general": 1.0, "full": 1.0}),
+            ("paths", "1", {"general": 1.0, "full": 1.0}),
+            ("paths", "6", {"general": 1.0, "full": 1.0})]:
+        gray = price(program, what, "gray", depth)
+        for instance, most in bars.items():
+            other = price(program, what, instance, depth)
+            verdict = "" if gray / other <= most else " FAILED"
+            failed |= bool(verdict)
+            print(f"{what}, depth {depth}: gray {gray:.0f}, {instance} {other:.0f}, "
+                  f"ratio {gray / other:.2f}, at most {most}{verdict}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

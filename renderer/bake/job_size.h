@@ -9,7 +9,7 @@
 namespace probebake {
 
 struct JobSize {
-    uint64_t unit_texels = 0;  // of the largest cubemap
+    uint64_t unit_texels = 0;   // of the largest cubemap
     uint64_t unit_bytes = 0;    // memory of the largest work unit while it is rendered and encoded
     uint64_t output_bytes = 0;  // at most: uncompressed products
 };

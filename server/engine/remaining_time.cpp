@@ -27,8 +27,7 @@ RemainingTime UnitTimes::left(double elapsed_seconds, double units, double pixel
     const double of_units = relative * std::sqrt(1.0 / units + 1.0 / k) *
                             student_t_quantile(0.5 + kConfidence / 2.0, k - 1.0);
     const double share = std::hypot(of_units, kMachineShare);
-    return {seconds,
-            {seconds * std::max(0.0, 1.0 - share), seconds * (1.0 + share)}};
+    return {seconds, {seconds * std::max(0.0, 1.0 - share), seconds * (1.0 + share)}};
 }
 
 }  // namespace probebake

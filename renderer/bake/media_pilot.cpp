@@ -308,7 +308,7 @@ class MediaPilot {
                             squared_error(colors[p][i], paths_[i].truth, pilot.exposure));
             }
             point.error.mse = Estimate::of_mean(moments);
-            pilot.curve.push_back(std::move(point));
+            pilot.curve.push_back(point);
         }
     }
 

@@ -15,8 +15,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr size_t kMostProbes = 4;
-constexpr int kLargestFace_px = 64;
+/// Which part of a job is tried.
+struct PartLimits {
+    size_t one_of = 4;  // so many probes
+    size_t most_probes = 4;
+    int largest_face_px = 64;
+};
+constexpr PartLimits kOfRays;
+/// What paths cost differs by a factor of hundreds between probes in and beside a cloud.
+constexpr PartLimits kOfPaths{.one_of = 1, .most_probes = 16, .largest_face_px = 8};
 /// Of a process that has baked nothing yet: code, libraries (OpenVDB the most), threads.
 constexpr uint64_t kProcessBytes = uint64_t{46} << 20;
 /// Steps of a ray that lights, and bytes of light per exposed face (docs/decisions.md, "Light is a
@@ -35,17 +42,19 @@ double seconds_since(Clock::time_point begin) {
 
 /// Some probes of the job in one state, with small faces, and its share of the ray budget. Without
 /// atlases: they need whole grids.
-JobSpec part_of(const JobSpec& job, const LightingState& state) {
+JobSpec part_of(const Scene& scene, const JobSpec& job, const LightingState& state) {
+    const PartLimits limits = sees_media(scene, state) ? kOfPaths : kOfRays;
     JobSpec part = job;
     part.states = {state};
     part.probes.clear();
     part.grids.clear();
     part.products.ddgi = false;
-    const size_t count = std::clamp<size_t>(job.probes.size() / 4, 1, kMostProbes);
+    const size_t count =
+        std::clamp<size_t>(job.probes.size() / limits.one_of, 1, limits.most_probes);
     for (size_t i = 0; i < count; ++i) {
         part.probes.push_back(job.probes[(2 * i + 1) * job.probes.size() / (2 * count)]);
         ProbeSpec& probe = part.probes.back();
-        probe.face_size_px = std::min(probe.face_size_px, kLargestFace_px);
+        probe.face_size_px = std::min(probe.face_size_px, limits.largest_face_px);
     }
     const double share =
         static_cast<double>(pixel_count(part)) / static_cast<double>(pixel_count(job));
@@ -82,7 +91,8 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
         const double rays =
             lighting_rays(scene, state, plan.light_bytes / std::max<uint64_t>(lit, 1));
         const bool unlit = rays > kLightingTriedRays;
-        const JobSpec part = part_of(job, unlit ? LightingState(LightingState::kAlbedo) : state);
+        const JobSpec part =
+            part_of(scene, job, unlit ? LightingState(LightingState::kAlbedo) : state);
         const Clock::time_point lighting_begin = Clock::now();
         const ReadyState ready = light_state(scene, part, 0, cancel);
         if (state.lit() && !unlit) forecast.lighting_seconds += seconds_since(lighting_begin);

@@ -17,7 +17,7 @@ namespace {
 class JobReader {
   public:
     JobReader(const Json& request, const JobLimits& limits)
-        : limits_(limits), root_(request, "", issues_) {}
+        : limits_(limits), request_(request), root_(request, "", issues_) {}
 
     JobSpec read() {
         spec_.scene = root_.name("scene", std::nullopt);
@@ -305,6 +305,13 @@ class JobReader {
     }
 
     void read_evidence(ObjectReader& quality) {
+        const Json::json_pointer place("/quality/evidence");
+        if (request_.contains(place) && request_.at(place).is_string()) {
+            constexpr std::string_view kNone[] = {"none"};
+            quality.choice("evidence", kNone, std::nullopt);
+            spec_.quality.evidence.audit = false;
+            return;
+        }
         ObjectReader reader = quality.object("evidence");
         EvidenceSpec& evidence = spec_.quality.evidence;
         evidence.audit = reader.boolean("audit", true);
@@ -397,6 +404,7 @@ class JobReader {
     }
 
     JobLimits limits_;
+    const Json& request_;
     JsonIssues issues_;
     ObjectReader root_;
     JobSpec spec_;

@@ -96,6 +96,17 @@ TEST(JobSpec, ReadsSeveralTargetsAndWhichOfThemCount) {
     EXPECT_EQ(problem_of(request).substr(0, 21), "400 /quality/require:");
 }
 
+TEST(JobSpec, EvidenceMayBeNone) {
+    Json request = test::small_request();
+    request["quality"]["evidence"] = "none";
+    EXPECT_FALSE(read_job(request).quality.evidence.audit);
+    EXPECT_EQ(write_job(read_job(request))["quality"]["evidence"]["audit"], false);
+    request["quality"]["evidence"] = "some";
+    EXPECT_EQ(problem_of(request).substr(0, 22), "400 /quality/evidence:");
+    request["quality"]["evidence"] = 3;
+    EXPECT_EQ(problem_of(request).substr(0, 22), "400 /quality/evidence:");
+}
+
 TEST(JobSpec, SaysWhereAndWhatWasExpected) {
     EXPECT_EQ(problem_of(test::small_request()), "none");
     const std::pair<Json, std::string> cases[] = {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <mutex>
 #include <set>
 
@@ -252,6 +253,7 @@ Json request_of_bake() {
 }
 
 void fight(bool behind_proxy) {
+    std::signal(SIGPIPE, SIG_IGN);  // an attacked service closes connections that are written to
     const int seconds = test::form("PROBEBAKE_ATTACK_SECONDS", 3);
     allow_many_files();
     const test::TempFolder folder;

@@ -11,11 +11,8 @@ namespace {
 TEST(CalibrationSlow, PromisesAreKeptOnSmallWorlds) {
     const auto out = std::filesystem::path(testing::TempDir()) / "probebake-calibration-slow";
     std::filesystem::remove_all(out);
-    const CalibrationParams params{.out = out,
-                                   .size = 256,
-                                   .share = 1.0,
-                                   .scenes = {"desert", "forest"},
-                                   .faces = {16}};
+    const CalibrationParams params{
+        .out = out, .size = 256, .share = 1.0, .scenes = {"desert", "forest"}, .faces = {16}};
     const CalibrationOutcome outcome = run_calibration(params, [](const StudyProgress&) {});
     EXPECT_EQ(outcome.computed, 4u);
     const Json& all = outcome.summary.at("all");

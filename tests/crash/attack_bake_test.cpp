@@ -58,7 +58,7 @@ std::string strike(Battle& battle, uint32_t from, const std::string& bytes) {
     ++battle.blows;
     RawClient client(battle.port, from);
     client.send(bytes);
-    const std::string answer = client.read_all(kPatience);
+    std::string answer = client.read_all(kPatience);
     if (answer.empty()) return "";
     const size_t blank = answer.find("\r\n\r\n");
     battle.require(test::status_of(answer) >= 200 && blank != std::string::npos,
@@ -77,6 +77,7 @@ void hold_idle_connections(Battle& battle, const std::stop_token& stop, uint32_t
     const int count = test::form("PROBEBAKE_ATTACK_IDLE", 250);
     while (!stop.stop_requested()) {
         std::vector<RawClient> idle;
+        idle.reserve(static_cast<size_t>(count));
         for (int i = 0; i < count && !stop.stop_requested(); ++i)
             idle.emplace_back(battle.port, from);
         battle.blows += idle.size();
@@ -87,6 +88,7 @@ void hold_idle_connections(Battle& battle, const std::stop_token& stop, uint32_t
 void drip(Battle& battle, const std::stop_token& stop, uint32_t from) {
     while (!stop.stop_requested()) {
         std::vector<RawClient> slow;
+        slow.reserve(40);
         for (int i = 0; i < 40; ++i) slow.emplace_back(battle.port, from);
         const std::string bytes = head("POST /v1/bakes", kJson + "Content-Length: 1000\r\n");
         battle.blows += slow.size();
@@ -100,6 +102,7 @@ void drip(Battle& battle, const std::stop_token& stop, uint32_t from) {
 void do_not_read(Battle& battle, const std::stop_token& stop, uint32_t from) {
     while (!stop.stop_requested()) {
         std::vector<RawClient> deaf;
+        deaf.reserve(24);
         for (int i = 0; i < 24; ++i) {
             deaf.emplace_back(battle.port, from).send(head("GET " + battle.file.target));
         }

@@ -29,7 +29,7 @@ class ServiceProcess {
     static constexpr const char* kNginx = "/usr/sbin/nginx";
 
     ServiceProcess(std::filesystem::path folder, bool behind_proxy,
-                   std::vector<std::string> more = {})
+                   const std::vector<std::string>& more = {})
         : folder_(std::move(folder)) {
         write_scenes(folder_ / "scenes");
         std::vector<std::string> args = {"serve",        "--data",    path("data"), "--scenes",

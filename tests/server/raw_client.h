@@ -31,7 +31,8 @@ class RawClient {
             return address;
         };
         const sockaddr_in here = loopback(from, 0);
-        if (from != 1) ::bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof(here));
+        const auto* bound = reinterpret_cast<const sockaddr*>(&here);
+        if (from != 1 && ::bind(socket_, bound, sizeof(here)) != 0) return;  // not connected
         const sockaddr_in there = loopback(1, port);
         connected_ =
             ::connect(socket_, reinterpret_cast<const sockaddr*>(&there), sizeof(there)) == 0;

@@ -140,7 +140,7 @@ class Stage {
                 radiance[f] = face_radiance(index, light[index - first][f]);
                 regions[f] = air.of(beside(position, face));
             }
-            const FaceSums sums =
+            FaceSums sums =
                 voxel_faces(position, exposed, radiance, air.count() > 1 ? &regions : nullptr);
             write_means(colors.voxels, index, sums, position, 1, colors.scale);
             return sums;

@@ -140,7 +140,7 @@ class StudyRun {
                 progress(std::string(experiment.name) + ", " + scene.name);
                 const auto part = [&](const std::string& part_name,
                                       const std::function<Json()>& compute) {
-                    const std::string file = name + "." + part_name;
+                    const std::string file = std::string(name).append(".").append(part_name);
                     std::optional<Json> found = store_.find(file, key);
                     if (!found) {
                         progress(std::string(experiment.name) + ", " + scene.name + ", part " +

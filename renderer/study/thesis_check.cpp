@@ -6,7 +6,7 @@
 namespace probebake::study {
 namespace {
 
-constexpr int64_t kPixels = 512 * 512;
+constexpr int64_t kPixels = int64_t{512} * 512;
 
 std::string in_thousands(int64_t x) {
     std::string digits = std::to_string(std::abs(x));

@@ -21,26 +21,29 @@ JobManager::Options Service::watched(const ServiceOptions& options) {
 
 Service::Service(const ServiceOptions& options)
     : tokens_(options.tokens ? Tokens(*options.tokens) : Tokens()),
-      scenes_(options.scenes),
       store_(options.data, options.store),
+      scenes_(options.scenes, store_.data().scenes()),
+      uploads_(store_.data(), options.cache.importer, options.cache.tree_cache_dir),
       pool_(options.threads),
       cache_(pool_, options.cache),
       jobs_(pool_, store_, scene_source(), watched(options)),
       api_({.jobs = jobs_,
             .store = store_,
             .scenes = scenes_,
+            .uploads = uploads_,
             .load = scene_source().load,
             .on_pool = [this](const std::function<void()>& work) { pool_.run(work); },
             .tokens = tokens_,
             .metrics = metrics_,
             .threads = options.threads,
             .max_waiting = static_cast<int>(options.http.pool.workers / 2),
-            .max_body_bytes = options.http.guard.max_body_bytes}),
+            .max_body_bytes = options.http.guard.max_body_bytes,
+            .max_upload_bytes = options.http.guard.max_upload_bytes,
+            .min_free_bytes = options.store.min_free_bytes}),
       http_(
           options.http,
-          [this](const httplib::Request& request, httplib::Response& response) {
-              api_.handle(request, response);
-          },
+          [this](const httplib::Request& request, httplib::Response& response,
+                 const httplib::ContentReader* upload) { api_.handle(request, response, upload); },
           [this, log = options.log_requests](const RequestLog& request) {
               metrics_.count_request(request);
               if (log) log_request(request);

@@ -51,8 +51,9 @@ class Service {
 
     Tokens tokens_;
     Metrics metrics_;
-    SceneLibrary scenes_;
     JobStore store_;
+    SceneLibrary scenes_;
+    SceneUploads uploads_;
     RenderPool pool_;
     SceneCache cache_;
     JobManager jobs_;

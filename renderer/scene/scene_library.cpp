@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -234,26 +235,42 @@ void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir)
     save_world(cached_tree(cache_dir, content_sha256(file)), make_world(file, stats));
 }
 
-SceneLibrary::SceneLibrary(std::filesystem::path folder) : folder_(std::move(folder)) { names(); }
+SceneLibrary::SceneLibrary(std::filesystem::path folder,
+                           std::optional<std::filesystem::path> uploads)
+    : folder_(std::move(folder)), uploads_(std::move(uploads)) {
+    names();
+}
 
 std::vector<std::string> SceneLibrary::names() const {
-    std::vector<std::string> found;
-    std::error_code error;
-    for (std::filesystem::directory_iterator at(folder_, error), end; !error && at != end;
-         at.increment(error)) {
-        const std::filesystem::path& path = at->path();
-        if (path.extension() == ".json" && is_name(path.stem().string())) {
-            found.push_back(path.stem().string());
+    std::set<std::string> found;
+    const auto list = [&](const std::filesystem::path& folder, const auto& name_of) {
+        std::error_code error;
+        for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end;
+             at.increment(error)) {
+            std::string name = name_of(at->path());
+            if (is_name(name)) found.insert(std::move(name));
         }
+        if (error) throw IoError(folder.string(), "cannot be listed: " + error.message());
+    };
+    list(folder_, [](const std::filesystem::path& path) {
+        return path.extension() == ".json" ? path.stem().string() : "";
+    });
+    if (uploads_) {
+        list(*uploads_, [](const std::filesystem::path& path) { return path.filename().string(); });
     }
-    if (error) throw IoError(folder_.string(), "cannot be listed: " + error.message());
-    std::sort(found.begin(), found.end());
-    return found;
+    return {found.begin(), found.end()};
+}
+
+bool SceneLibrary::owns(const std::string& name) const {
+    std::error_code error;
+    return is_name(name) && std::filesystem::is_regular_file(folder_ / (name + ".json"), error);
 }
 
 std::optional<SceneFile> SceneLibrary::find(const std::string& name) const {
     if (!is_name(name)) return std::nullopt;
-    const std::filesystem::path path = folder_ / (name + ".json");
+    if (owns(name)) return read_scene_file(folder_ / (name + ".json"));
+    if (!uploads_) return std::nullopt;
+    const std::filesystem::path path = *uploads_ / name / (name + ".json");
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
     return read_scene_file(path);

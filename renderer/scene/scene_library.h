@@ -80,16 +80,21 @@ void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir)
 
 class SceneLibrary {
   public:
-    /// Throws IoError where the folder cannot be listed.
-    explicit SceneLibrary(std::filesystem::path folder);
+    /// `uploads` holds further scenes, NAME/NAME.json each with its files beside it; of two of a
+    /// name the folder's own counts. Throws IoError where a folder cannot be listed.
+    explicit SceneLibrary(std::filesystem::path folder,
+                          std::optional<std::filesystem::path> uploads = std::nullopt);
 
     /// Names of the scene files that are there now, sorted.
     std::vector<std::string> names() const;
     /// No value where there is no scene of that name. Throws IoError or SpecError for a bad file.
     std::optional<SceneFile> find(const std::string& name) const;
+    /// Whether the folder itself has it.
+    bool owns(const std::string& name) const;
 
   private:
     std::filesystem::path folder_;
+    std::optional<std::filesystem::path> uploads_;
 };
 
 }  // namespace probebake

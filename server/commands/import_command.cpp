@@ -1,10 +1,13 @@
 // probebake import-scene SCENE.json: the process in which the service has files of other programs
 // imported (engine/scene_import.h).
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
 #include "commands/commands.h"
+#include "engine/scene_archive.h"
 #include "engine/scene_import.h"
+#include "io/io_error.h"
 
 namespace probebake {
 namespace {
@@ -12,16 +15,34 @@ namespace {
 struct ImportOptions {
     std::filesystem::path scene;
     std::filesystem::path cache;
+    std::optional<std::filesystem::path> archive;
     uint64_t memory_mib = 8192;
     int64_t seconds = 600;
 };
+
+/// Generated worlds are as large as one likes and made by the service itself: they come from its
+/// own library only.
+void refuse_generated(const SceneFile& file) {
+    const bool generated =
+        file.generator || std::any_of(file.media.begin(), file.media.end(),
+                                      [](const MediumFile& medium) { return medium.cumulus; });
+    if (generated) {
+        throw IoError("scene.json", "expected a scene of files, nothing that is generated");
+    }
+}
 
 /// Without the program's name in front: the reason becomes a job's.
 int run_import(const ImportOptions& options) {
     try {
         limit_this_process({.memory_bytes = options.memory_mib << 20,
                             .time = std::chrono::seconds(options.seconds)});
-        import_scene(read_scene_file(options.scene), options.cache);
+        if (options.archive) {
+            unpack_scene(*options.archive, options.scene.parent_path(),
+                         options.scene.stem().string());
+        }
+        const SceneFile file = read_scene_file(options.scene);
+        if (options.archive) refuse_generated(file);
+        import_scene(file, options.cache);
         return 0;
     } catch (const std::bad_alloc&) {
         std::cerr << "its import needs more memory than it may\n";
@@ -39,6 +60,7 @@ void add_import_command(CLI::App& app, CommandWork& work) {
     const auto options = std::make_shared<ImportOptions>();
     command->add_option("scene", options->scene, "Scene file")->required();
     command->add_option("--cache", options->cache, "Folder of the cache")->required();
+    command->add_option("--archive", options->archive, "Archive to unpack beside the scene file");
     command->add_option("--memory-mib", options->memory_mib, "Address space, MiB")
         ->check(CLI::Range(1, 1 << 30))
         ->capture_default_str();

@@ -30,6 +30,7 @@ struct ServeOptions {
     uint64_t keep_gib = 16;
     uint64_t keep_days = 30;
     uint64_t min_free_mib = 64;
+    uint64_t max_upload_mib = 0;
     uint64_t scene_gib = 8;
     uint64_t import_mib = 8192;
     int64_t import_seconds = 600;
@@ -66,6 +67,7 @@ ServiceOptions service_options(const ServeOptions& options) {
         .program = std::filesystem::read_symlink("/proc/self/exe"),
         .scratch = service.data / "temporary",
         .limits = {options.import_mib << 20, std::chrono::seconds(options.import_seconds)}};
+    service.http.guard.max_upload_bytes = options.max_upload_mib << 20;
     service.http.guard.hosts.push_back(in_url(service.http.host));
     for (const std::string& host : options.allow_hosts) {
         service.http.guard.hosts.push_back(host);
@@ -184,6 +186,11 @@ void add_serve_command(CLI::App& app, CommandWork& work) {
         ->add_option("--import-seconds", options->import_seconds,
                      "Time of a process that imports a scene")
         ->check(CLI::Range(1, 1 << 30))
+        ->capture_default_str();
+    command
+        ->add_option("--max-upload-mib", options->max_upload_mib,
+                     "Largest scene that clients may bring, MiB; 0: they may bring none")
+        ->check(CLI::Range(0, 1 << 20))
         ->capture_default_str();
     command->add_option("--max-running", jobs.max_running, "Jobs that bake at once")
         ->check(CLI::Range(1, 64))

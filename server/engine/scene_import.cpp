@@ -33,6 +33,7 @@ class Child {
         std::array<int, 2> ends{};
         if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw IoError(args[0], "no pipe for an import");
         std::vector<char*> argv;
+        argv.reserve(args.size() + 1);
         for (std::string& arg : args) argv.push_back(arg.data());
         argv.push_back(nullptr);
         posix_spawn_file_actions_t actions;
@@ -104,21 +105,42 @@ std::string reason(const Child& child) {
     return text.empty() ? "its import failed" : text;
 }
 
+/// Runs the child that makes the scene file's tree; `more` goes to its command line.
+void run_child(const ImportProcess& process, const std::filesystem::path& scene,
+               const std::filesystem::path& cache_dir, const std::vector<std::string>& more,
+               const CancelToken& cancel) {
+    const ImportLimits& limits = process.limits;
+    const std::string name = scene.stem().string();
+    std::vector<std::string> args = {process.program.string(),
+                                     "import-scene",
+                                     scene.string(),
+                                     "--cache",
+                                     cache_dir.string(),
+                                     "--memory-mib",
+                                     std::to_string(limits.memory_bytes >> 20),
+                                     "--seconds",
+                                     std::to_string(limits.time.count())};
+    args.insert(args.end(), more.begin(), more.end());
+    Child child(std::move(args));
+    const Clock::time_point end = Clock::now() + limits.time;
+    while (child.runs(kCancelInterval)) {
+        cancel.throw_if_cancelled();
+        if (Clock::now() > end) throw IoError(name, "its import took more time than it may");
+    }
+    if (child.status() != 0) throw IoError(name, reason(child));
+}
+
 }  // namespace
 
 void import_in_process(const ImportProcess& process, const SceneFile& file,
                        const std::filesystem::path& cache_dir, const CancelToken& cancel) {
-    const ImportLimits& limits = process.limits;
-    Child child({process.program.string(), "import-scene",
-                 (file.folder / (file.name + ".json")).string(), "--cache", cache_dir.string(),
-                 "--memory-mib", std::to_string(limits.memory_bytes >> 20), "--seconds",
-                 std::to_string(limits.time.count())});
-    const Clock::time_point end = Clock::now() + limits.time;
-    while (child.runs(kCancelInterval)) {
-        cancel.throw_if_cancelled();
-        if (Clock::now() > end) throw IoError(file.name, "its import took more time than it may");
-    }
-    if (child.status() != 0) throw IoError(file.name, reason(child));
+    run_child(process, file.folder / (file.name + ".json"), cache_dir, {}, cancel);
+}
+
+void import_archive_in_process(const ImportProcess& process, const std::filesystem::path& archive,
+                               const std::filesystem::path& scene,
+                               const std::filesystem::path& cache_dir, const CancelToken& cancel) {
+    run_child(process, scene, cache_dir, {"--archive", archive.string()}, cancel);
 }
 
 void limit_this_process(const ImportLimits& limits) {

@@ -5,6 +5,9 @@
 //   child:  limits itself, reads, builds the tree, writes it to DIR under the content's hash; or
 //           says on standard error what is wrong, and ends with a code that is not 0
 //   parent: reads the tree, which carries checksums (voxels/tree_file.h)
+//
+// With --archive FILE the child unpacks a client's archive (scene_archive.h) to SCENE.json's folder
+// first.
 #pragma once
 
 #include <chrono>
@@ -29,6 +32,11 @@ struct ImportProcess {
 /// Throws IoError with the reason, and Cancelled; the process is gone in any case.
 void import_in_process(const ImportProcess& process, const SceneFile& file,
                        const std::filesystem::path& cache_dir, const CancelToken& cancel);
+
+/// The same of an archive, which becomes the scene file `scene` and its files beside it.
+void import_archive_in_process(const ImportProcess& process, const std::filesystem::path& archive,
+                               const std::filesystem::path& scene,
+                               const std::filesystem::path& cache_dir, const CancelToken& cancel);
 
 /// What the child does with itself before it opens anything.
 void limit_this_process(const ImportLimits& limits);

@@ -5,34 +5,6 @@
 #include "http/query.h"
 
 namespace probebake {
-namespace {
-
-/// A scene file as clients see it; a broken one with what is wrong about it.
-Json write_scene_entry(const SceneLibrary& scenes, const std::string& name) {
-    try {
-        const std::optional<SceneFile> file = scenes.find(name);
-        if (!file) return {{"name", name}, {"error", "the scene file is gone"}};
-        Json json = {{"name", name},
-                     {"description", file->description},
-                     {"author", file->author},
-                     {"licence", file->licence},
-                     {"voxel_size_m", file->voxel_size_m},
-                     {"origin_m", {file->origin_m.x, file->origin_m.y, file->origin_m.z}}};
-        if (file->generator) {
-            json["type"] = "generator";
-            json["generator"] = file->generator->name;
-            json["size"] = file->generator->size;
-            json["seed"] = file->generator->seed;
-        } else {
-            json["type"] = file->vox ? "vox" : "heightmap";
-        }
-        return json;
-    } catch (const std::exception& error) {
-        return {{"name", name}, {"error", error.what()}};
-    }
-}
-
-}  // namespace
 
 const std::vector<Api::Route>& Api::routes() {
     static const std::vector<Route> all = {
@@ -49,6 +21,9 @@ const std::vector<Api::Route>& Api::routes() {
         {"GET", "/v1/bakes/{id}/probes", Scope::kRead, &Api::rows},
         {"GET", "/v1/bakes/{id}/probes/{probe}/{state}/{file}", Scope::kRead, &Api::file},
         {"GET", "/v1/scenes", Scope::kRead, &Api::list_scenes},
+        {"GET", "/v1/scenes/{name}", Scope::kRead, &Api::scene},
+        {"PUT", "/v1/scenes/{name}", Scope::kAdmin, &Api::upload_scene},
+        {"DELETE", "/v1/scenes/{name}", Scope::kAdmin, &Api::remove_scene},
         {"GET", "/v1/limits", Scope::kOpen, &Api::limits},
         {"GET", "/v1/version", Scope::kOpen, &Api::version},
         {"GET", "/openapi.json", Scope::kOpen, &Api::openapi},
@@ -88,7 +63,8 @@ Identity Api::identify(const httplib::Request& request, Scope scope) const {
     return *who;
 }
 
-void Api::handle(const httplib::Request& request, httplib::Response& response) {
+void Api::handle(const httplib::Request& request, httplib::Response& response,
+                 const httplib::ContentReader* upload) {
     const Router::Match match = router_.find(request.method, request.path);
     if (match.allow.empty()) {
         throw ProblemError({.status = 404, .code = "not-found", .detail = "there is no such path"});
@@ -101,16 +77,7 @@ void Api::handle(const httplib::Request& request, httplib::Response& response) {
     }
     const Route& route = routes()[*match.route];
     const Identity who = identify(request, route.scope);
-    (this->*route.handler)({request, response, match.params, who});
-}
-
-void Api::list_scenes(const Call& call) {
-    QueryReader(call.request).refuse_unknown();
-    Json scenes = Json::array();
-    for (const std::string& name : parts_.scenes.names()) {
-        scenes.push_back(write_scene_entry(parts_.scenes, name));
-    }
-    answer_json({{"scenes", std::move(scenes)}}, call.response);
+    (this->*route.handler)({request, response, match.params, who, upload});
 }
 
 void Api::limits(const Call& call) {
@@ -124,6 +91,7 @@ void Api::limits(const Call& call) {
                  {"audit_pixels_per_probe", job.max_audit_pixels},
                  {"rays", job.max_rays},
                  {"request_bytes", parts_.max_body_bytes},
+                 {"upload_bytes", parts_.max_upload_bytes},
                  {"jobs",
                   {{"running", jobs.max_running},
                    {"queued", jobs.max_queued},

@@ -14,6 +14,7 @@
 #include "http/problem.h"
 #include "http/router.h"
 #include "jobs/job_manager.h"
+#include "jobs/scene_uploads.h"
 #include "scene/scene_library.h"
 
 namespace probebake {
@@ -24,6 +25,7 @@ class Api {
         JobManager& jobs;
         JobStore& store;
         const SceneLibrary& scenes;
+        SceneUploads& uploads;
         /// Loads a scene, or takes it from a cache.
         std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)> load;
         /// Does work for a check on the render threads.
@@ -34,6 +36,8 @@ class Api {
         /// Answers that wait (long polls, events, archives) at once.
         int max_waiting = 16;
         uint64_t max_body_bytes = 0;
+        uint64_t max_upload_bytes = 0;
+        uint64_t min_free_bytes = 0;  // of the disk, below which nothing is taken
         /// Checks that may load scenes at once, and how long one waits for its scene.
         int max_checks = 4;
         std::chrono::milliseconds check_time{20000};
@@ -46,7 +50,8 @@ class Api {
     /// Method and pattern of every path.
     static std::vector<std::pair<std::string, std::string>> route_names();
     /// Throws what http/problem.h's problem_of understands.
-    void handle(const httplib::Request& request, httplib::Response& response);
+    void handle(const httplib::Request& request, httplib::Response& response,
+                const httplib::ContentReader* upload);
 
   private:
     /// One request on its way through a handler.
@@ -55,6 +60,7 @@ class Api {
         httplib::Response& response;
         const PathParams& params;
         const Identity& who;
+        const httplib::ContentReader* upload;  // of a scene's archive
     };
     using Handler = void (Api::*)(const Call&);
 
@@ -93,8 +99,14 @@ class Api {
     void events(const Call& call);
     void archive(const Call& call);
 
-    // api.cpp
+    // api_scenes.cpp
     void list_scenes(const Call& call);
+    void scene(const Call& call);
+    void upload_scene(const Call& call);
+    void remove_scene(const Call& call);
+    Json describe_scene(const std::string& name) const;
+
+    // api.cpp
     void limits(const Call& call);
     void version(const Call& call);
     void health(const Call& call);
@@ -106,6 +118,7 @@ class Api {
     Router router_;
     const std::string boot_id_;  // tags of an earlier run are no tags of this one
     std::shared_ptr<std::atomic<int>> checks_ = std::make_shared<std::atomic<int>>(0);
+    std::shared_ptr<std::atomic<int>> uploads_ = std::make_shared<std::atomic<int>>(0);
     std::shared_ptr<std::atomic<int>> waiting_ = std::make_shared<std::atomic<int>>(0);
 };
 

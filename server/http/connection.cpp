@@ -97,7 +97,8 @@ void Connection::feed(std::string head, uint64_t body_bytes) {
     input_ = std::move(head) + input_.substr(0, here);
     input_at_ = 0;
     body_left_ = body_bytes - here;
-    body_end_ = Clock::now() + limits_.body_time;
+    const auto mebibytes = static_cast<int64_t>(body_bytes >> 20) + 1;
+    body_end_ = Clock::now() + limits_.body_time * mebibytes;
 }
 
 bool Connection::is_readable() const {

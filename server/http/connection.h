@@ -19,7 +19,7 @@ namespace probebake {
 struct ConnectionLimits {
     size_t max_head_bytes = size_t{16} << 10;
     std::chrono::milliseconds head_time{2000};
-    std::chrono::milliseconds body_time{10000};
+    std::chrono::milliseconds body_time{10000};  // per MiB begun
     /// An answer may take this long, and longer by what it has brought through at the least rate.
     std::chrono::milliseconds answer_time{30000};
     uint64_t min_answer_bytes_per_second = uint64_t{64} << 10;

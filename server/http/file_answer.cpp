@@ -47,6 +47,10 @@ std::string base64_of_hex(const std::string& hex) {
 
 }  // namespace
 
+std::string repr_digest(const std::string& sha256) {
+    return "sha-256=:" + base64_of_hex(sha256) + ":";
+}
+
 std::optional<ByteRange> read_range(std::string_view text, uint64_t size_bytes) {
     constexpr std::string_view kUnit = "bytes=";
     if (text.substr(0, kUnit.size()) != kUnit) return std::nullopt;
@@ -103,9 +107,7 @@ void answer_digested(std::shared_ptr<const OpenFile> file, const std::string& sh
         !request.has_header("If-Range") || request.get_header_value("If-Range") == etag;
     const std::optional<ByteRange> range =
         same ? read_range(request.get_header_value(kRangeHeader), size_bytes) : std::nullopt;
-    const auto tell_digest = [&] {
-        response.set_header("Repr-Digest", "sha-256=:" + base64_of_hex(sha256) + ":");
-    };
+    const auto tell_digest = [&] { response.set_header("Repr-Digest", repr_digest(sha256)); };
     if (!range) {
         tell_digest();
         answer_file(std::move(file), type, response);

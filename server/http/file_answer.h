@@ -23,6 +23,9 @@ std::optional<ByteRange> read_range(std::string_view text, uint64_t size_bytes);
 /// If-None-Match (RFC 9110, 13.1.2), weakly compared.
 bool none_match_fails(const httplib::Request& request, const std::string& etag);
 
+/// The value of Repr-Digest (RFC 9530) for a SHA-256 in hexadecimal digits.
+std::string repr_digest(const std::string& sha256);
+
 /// A file whose content is known by its digest: 200, 206, 304 or 416.
 void answer_digested(std::shared_ptr<const OpenFile> file, const std::string& sha256,
                      const char* type, const httplib::Request& request,

@@ -11,6 +11,8 @@
 namespace probebake {
 namespace {
 
+constexpr size_t kMaxAddressBytes = 45;  // of IPv6 in its longest form
+
 [[noreturn]] void refuse(int status, std::string code, std::string detail) {
     throw ProblemError({.status = status, .code = std::move(code), .detail = std::move(detail)});
 }
@@ -104,8 +106,7 @@ void check_host(const HeaderMap& headers, const GuardLimits& limits) {
 }
 
 /// The length of the body, from headers that leave no doubt about it.
-uint64_t body_length(const std::string& method, const HeaderMap& headers,
-                     const GuardLimits& limits) {
+uint64_t body_length(const std::string& method, const HeaderMap& headers, uint64_t most_bytes) {
     if (headers.contains("transfer-encoding")) {
         refuse(411, "length-required",
                "expected a body with Content-Length, not with Transfer-Encoding");
@@ -119,20 +120,20 @@ uint64_t body_length(const std::string& method, const HeaderMap& headers,
                                                       [](char c) { return c >= '0' && c <= '9'; });
     if (!digits) refuse_syntax("Content-Length is not a number");
     // More than 18 digits do not fit into 64 bits; either way it is too much.
-    const uint64_t bytes = text->size() > 18 ? limits.max_body_bytes + 1 : std::stoull(*text);
+    const uint64_t bytes = text->size() > 18 ? most_bytes + 1 : std::stoull(*text);
     if (bytes > 0 && (method == "GET" || method == "HEAD")) {
         refuse_syntax("a " + method + " request has no body");
     }
-    if (bytes > limits.max_body_bytes) {
+    if (bytes > most_bytes) {
         refuse(413, "body-too-large",
-               "expected a body of at most " + std::to_string(limits.max_body_bytes) + " bytes");
+               "expected a body of at most " + std::to_string(most_bytes) + " bytes");
     }
     return bytes;
 }
 
-void check_content_type(const std::string& type) {
-    if (lower(trimmed(std::string_view(type).substr(0, type.find(';')))) != "application/json") {
-        refuse(415, "unsupported-media-type", "expected a body of type application/json");
+void check_content_type(const std::string& type, const std::string& expected) {
+    if (lower(trimmed(std::string_view(type).substr(0, type.find(';')))) != expected) {
+        refuse(415, "unsupported-media-type", "expected a body of type " + expected);
     }
 }
 
@@ -172,10 +173,11 @@ std::string without_percent(const std::string& value) {
 
 /// The headers that the service looks at besides those that it must.
 void pass_on(const HeaderMap& headers, std::string& text) {
-    constexpr std::array<std::pair<const char*, const char*>, 4> kOnce = {
+    constexpr std::array<std::pair<const char*, const char*>, 5> kOnce = {
         {{"authorization", "Authorization"},
          {"idempotency-key", "Idempotency-Key"},
          {"prefer", "Prefer"},
+         {"repr-digest", "Repr-Digest"},
          {"last-event-id", "Last-Event-ID"}}};
     for (const auto& [name, as] : kOnce) {
         const std::optional<std::string> value = single(headers, name);
@@ -196,21 +198,33 @@ void pass_on(const HeaderMap& headers, std::string& text) {
 
 }  // namespace
 
+bool is_upload(std::string_view method, std::string_view target) {
+    const std::string_view prefix = kUploadPrefix;
+    return method == "PUT" && target.substr(0, prefix.size()) == prefix &&
+           target.find_first_of("/?", prefix.size()) == std::string_view::npos;
+}
+
 GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
                        const std::string& request_id) {
     GuardedHead out;
     read_request_line(take_line(head), limits, out);
     const HeaderMap headers = read_headers(head, limits);
     check_host(headers, limits);
-    out.body_bytes = body_length(out.method, headers, limits);
+    const bool upload = is_upload(out.method, out.target);
+    if (upload && limits.max_upload_bytes == 0) {
+        refuse(403, "uploads-off", "this service takes no scenes (--max-upload-mib)");
+    }
+    out.body_bytes =
+        body_length(out.method, headers, upload ? limits.max_upload_bytes : limits.max_body_bytes);
 
     std::string& text = out.for_library;
     text = out.method + " " + out.target + " HTTP/1.1\r\nX-Request-Id: " + request_id +
            "\r\nConnection: close\r\nContent-Length: " + std::to_string(out.body_bytes) + "\r\n";
     if (out.body_bytes > 0) {
         const std::optional<std::string> type = single(headers, "content-type");
-        check_content_type(type.value_or(""));
-        text += "Content-Type: application/json\r\n";
+        const std::string expected = upload ? "application/x-tar" : "application/json";
+        check_content_type(type.value_or(""), expected);
+        text += "Content-Type: " + expected + "\r\n";
     }
     if (const std::optional<std::string> expect = single(headers, "expect")) {
         if (lower(*expect) != "100-continue") {
@@ -224,6 +238,7 @@ GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
             if (!tags.empty()) text += "If-None-Match: " + tags + "\r\n";
         }
     }
+    out.real_ip = single(headers, "x-real-ip").value_or("").substr(0, kMaxAddressBytes);
     pass_on(headers, text);
     text += "\r\n";
     return out;

@@ -23,6 +23,8 @@ struct GuardLimits {
     size_t max_target_bytes = 2048;
     size_t max_headers = 64;
     uint64_t max_body_bytes = uint64_t{1} << 20;
+    /// Of a scene (is_upload); 0: none is taken.
+    uint64_t max_upload_bytes = 0;
     /// Host names that clients may address, without port; lower case.
     std::vector<std::string> hosts = {"localhost", "127.0.0.1", "[::1]"};
 };
@@ -31,8 +33,14 @@ struct GuardedHead {
     std::string method;
     std::string target;
     uint64_t body_bytes = 0;
+    std::string real_ip;      // what X-Real-IP says; only a proxy of ours is to be believed
     std::string for_library;  // the head written anew, with its blank line
 };
+
+/// The requests that bring a scene, a tar instead of JSON: PUT on these paths.
+inline constexpr const char* kUploadPattern = "/v1/scenes/[^/]+";
+inline constexpr const char* kUploadPrefix = "/v1/scenes/";
+bool is_upload(std::string_view method, std::string_view target);
 
 /// The head of a request up to and including the blank line. Throws ProblemError.
 GuardedHead guard_head(std::string_view head, const GuardLimits& limits,

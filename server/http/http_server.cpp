@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <stdexcept>
@@ -50,7 +51,7 @@ class NoQueue : public httplib::TaskQueue {
 
 class HttpServer::Library : public httplib::Server {
   public:
-    Library(const HttpServer::Options& options, Handler handler, Log log)
+    Library(const HttpServer::Options& options, HttpServer::Handler handler, Log log)
         : options_(options),
           handler_(std::move(handler)),
           log_(std::move(log)),
@@ -90,18 +91,25 @@ class HttpServer::Library : public httplib::Server {
         });
         set_tcp_nodelay(true);
         set_keep_alive_max_count(1);
-        set_payload_max_length(options_.guard.max_body_bytes);
+        set_payload_max_length(
+            std::max(options_.guard.max_body_bytes, options_.guard.max_upload_bytes));
         set_default_headers({{"Accept-Ranges", "none"},
                              {"Cache-Control", "no-store"},
                              {"X-Content-Type-Options", "nosniff"}});
         // One handler for everything: paths are matched by the router, not by regular expressions.
         const char* any = "[\\s\\S]*";
-        Get(any, handler_);
-        Post(any, handler_);
-        Put(any, handler_);
-        Patch(any, handler_);
-        Delete(any, handler_);
-        Options(any, handler_);
+        const auto handle = [this](const httplib::Request& request, httplib::Response& response) {
+            handler_(request, response, nullptr);
+        };
+        Get(any, handle);
+        Post(any, handle);
+        Put(kUploadPattern,
+            [this](const httplib::Request& request, httplib::Response& response,
+                   const httplib::ContentReader& upload) { handler_(request, response, &upload); });
+        Put(any, handle);
+        Patch(any, handle);
+        Delete(any, handle);
+        Options(any, handle);
         set_exception_handler([this](const httplib::Request& request, httplib::Response& response,
                                      const std::exception_ptr& exception) {
             const Problem problem = problem_of(exception);
@@ -170,6 +178,7 @@ class HttpServer::Library : public httplib::Server {
         GuardedHead guarded = guard_head(head, options_.guard, line.request_id);
         line.method = guarded.method;
         line.target = guarded.target;
+        if (options_.socket) line.peer = guarded.real_ip;  // only the proxy reaches the socket
         connection.feed(std::move(guarded.for_library), guarded.body_bytes);
         bool closed = false;
         process_request(connection, true, closed, nullptr);
@@ -202,7 +211,7 @@ class HttpServer::Library : public httplib::Server {
     }
 
     const HttpServer::Options options_;
-    const Handler handler_;
+    const HttpServer::Handler handler_;
     const Log log_;
     ConnectionPool pool_;
     int port_ = 0;

@@ -45,7 +45,10 @@ class HttpServer {
         ConnectionLimits connection;
         ConnectionPool::Options pool;
     };
-    using Handler = std::function<void(const httplib::Request&, httplib::Response&)>;
+    /// `upload` reads the body of a request that brings a scene (is_upload), bit by bit; of any
+    /// other request it is null, and the body is in the request.
+    using Handler = std::function<void(const httplib::Request&, httplib::Response&,
+                                       const httplib::ContentReader* upload)>;
     using Log = std::function<void(const RequestLog&)>;
 
     /// Listens when it returns. Throws std::runtime_error where the address cannot be had. Handler

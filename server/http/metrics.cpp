@@ -3,6 +3,7 @@
 #include <prometheus/text_serializer.h>
 
 #include <array>
+#include <cmath>
 
 namespace probebake {
 namespace {
@@ -24,6 +25,16 @@ std::string method_label(const std::string& method) {
         if (method == known) return method;
     }
     return "other";
+}
+
+const prometheus::Histogram::BucketBoundaries kErrorOverTarget = {0.1, 0.25, 0.5,  0.75, 0.9,
+                                                                  1.0, 1.1,  1.25, 1.5,  2.0};
+
+/// How large an error is, in units of its target.
+double error_over_target(const std::string& metric, double error, double target) {
+    if (metric == "psnr_db") return std::pow(10.0, (target - error) / 20.0);
+    if (metric == "ssim") return (1.0 - error) / (1.0 - target);
+    return error / target;
 }
 
 double seconds(UnixMs from, UnixMs to) {
@@ -75,6 +86,25 @@ Metrics::Metrics()
                  .Help("Octree nodes that these rays entered")
                  .Register(registry_)
                  .Add({})),
+      lookups_(BuildCounter()
+                   .Name("probebake_media_lookups_total")
+                   .Help("Look-ups of coefficients of media")
+                   .Register(registry_)
+                   .Add({})),
+      collisions_(BuildCounter()
+                      .Name("probebake_media_collisions_total")
+                      .Help("Collisions of paths with media, by kind")
+                      .Register(registry_)),
+      faults_(BuildCounter()
+                  .Name("probebake_path_faults_total")
+                  .Help("Paths through media that were given up, or met more than their bound")
+                  .Register(registry_)
+                  .Add({})),
+      error_over_target_(BuildHistogram()
+                             .Name("probebake_error_over_target")
+                             .Help("Error of a lighting state over its target, by metric; at most "
+                                   "1 where it was met (psnr_db: ratio of RMSE, ssim: of 1 - SSIM)")
+                             .Register(registry_)),
       bytes_(BuildCounter()
                  .Name("probebake_artifact_bytes_total")
                  .Help("Bytes of files of bakes that succeeded")
@@ -119,6 +149,7 @@ Metrics::Metrics()
                      .Register(registry_)
                      .Add({})) {
     // There from the start, so that the first one is an increase.
+    for (const char* kind : {"real", "null"}) collisions_.Add({{"kind", kind}});
     for (const char* result : {"mended", "lost"}) mended_.Add({{"result", result}});
     for (const JobState state : {JobState::kSucceeded, JobState::kFailed, JobState::kCancelled}) {
         ended_.Add({{"state", std::string(name_of(state))}});
@@ -149,6 +180,25 @@ void Metrics::count_report(const Json& report) {
         if (!cost.is_object()) continue;
         rays_.Increment(cost.value("rays", 0.0) + cost.value("discarded_rays", 0.0));
         steps_.Increment(cost.value("steps", 0.0));
+        const auto media = cost.find("media");
+        if (media == cost.end()) continue;
+        lookups_.Increment(media->value("lookups", 0.0));
+        collisions_.Add({{"kind", "real"}}).Increment(media->value("collisions", 0.0));
+        collisions_.Add({{"kind", "null"}}).Increment(media->value("null_collisions", 0.0));
+        faults_.Increment(media->value("faults", 0.0));
+    }
+    const Json& targets = report.at("effective_request").at("quality").at("targets");
+    for (const Json& state : report.at("states")) {
+        const auto error = state.find("error");
+        if (error == state.end() || !error->is_object()) continue;
+        for (const auto& [metric, target] : targets.items()) {
+            const auto found = error->find(metric);
+            if (found == error->end() || !found->is_number()) continue;
+            const double ratio = error_over_target(metric, found->get<double>(), target);
+            if (std::isfinite(ratio)) {
+                error_over_target_.Add({{"metric", metric}}, kErrorOverTarget).Observe(ratio);
+            }
+        }
     }
 }
 

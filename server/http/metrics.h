@@ -38,6 +38,10 @@ class Metrics {
     prometheus::Counter& units_;
     prometheus::Counter& rays_;
     prometheus::Counter& steps_;
+    prometheus::Counter& lookups_;
+    prometheus::Family<prometheus::Counter>& collisions_;
+    prometheus::Counter& faults_;
+    prometheus::Family<prometheus::Histogram>& error_over_target_;
     prometheus::Counter& bytes_;
     prometheus::Family<prometheus::Counter>& mended_;
     prometheus::Counter& recovered_;

@@ -26,9 +26,9 @@ UnixMs milliseconds(std::chrono::seconds time) {
     return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
 }
 
-/// Refuses what the machine cannot hold, before anything is promised.
-void check_size(const JobSpec& job, const DataFolder& data) {
-    const JobSize size = size_of_job(job);
+/// Refuses what the machine cannot hold, before anything is promised: `promised_bytes` are those
+/// that jobs which wait and run may still write.
+void check_size(const JobSize& size, uint64_t promised_bytes, const DataFolder& data) {
     const uint64_t memory_bytes = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
                                   static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
     if (size.unit_bytes > memory_bytes) {
@@ -37,10 +37,11 @@ void check_size(const JobSpec& job, const DataFolder& data) {
                             " bytes of memory, of which there are " + std::to_string(memory_bytes));
     }
     const uint64_t free_bytes = data.free_bytes();
-    if (size.output_bytes > free_bytes) {
+    if (promised_bytes > free_bytes || size.output_bytes > free_bytes - promised_bytes) {
         throw ServiceBusy("disk-full", "the files may take " + std::to_string(size.output_bytes) +
-                                           " bytes, of which " + std::to_string(free_bytes) +
-                                           " are free");
+                                           " bytes; " + std::to_string(free_bytes) + " are free, " +
+                                           std::to_string(promised_bytes) +
+                                           " of them promised to other jobs");
     }
 }
 
@@ -102,6 +103,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
     };
     // A job that was accepted is told again, however full the queue is by now.
     if (const auto known = store_.find_key(stored)) return replay(*known);
+    const JobSize size = size_of_job(request.spec);
     {
         const std::lock_guard lock(mutex_);
         if (draining_) throw ServiceBusy("draining", "the service is shutting down");
@@ -117,21 +119,24 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
                                            std::to_string(options_.max_per_tenant) +
                                            " jobs that wait or run");
         }
+        if (!store_.has_room()) throw ServiceBusy("disk-full", "the disk is full");
+        check_size(size, promised_bytes(), store_.data());
         ++submitting_;
+        submitting_bytes_ += size.output_bytes;
     }
     tables::Inserted inserted;
     try {
-        if (!store_.has_room()) throw ServiceBusy("disk-full", "the disk is full");
-        check_size(request.spec, store_.data());
         inserted = store_.insert(stored);
     } catch (...) {
         const std::lock_guard lock(mutex_);
         --submitting_;
+        submitting_bytes_ -= size.output_bytes;
         throw;
     }
     {
         const std::lock_guard lock(mutex_);
         --submitting_;
+        submitting_bytes_ -= size.output_bytes;
         if (!inserted.replay_of) {
             const auto job = std::make_shared<Job>();
             job->seen.id = stored.id;
@@ -141,6 +146,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
             job->seen.created = stored.created;
             job->seen.progress.units = stored.units;
             job->scene_sha256 = stored.scene_sha256;
+            job->most_bytes = size.output_bytes;
             by_id_.emplace(stored.id, job);
             by_age_.emplace(inserted.sequence, job);
             queue_.push_back(job);
@@ -150,6 +156,16 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
         }
     }
     return replay(inserted);
+}
+
+uint64_t JobManager::promised_bytes() const {
+    uint64_t bytes = submitting_bytes_;
+    const auto add = [&](const JobPtr& job) {
+        if (job->most_bytes > job->bytes) bytes += job->most_bytes - job->bytes;
+    };
+    std::for_each(queue_.begin(), queue_.end(), add);
+    std::for_each(running_.begin(), running_.end(), add);
+    return bytes;
 }
 
 std::optional<JobSnapshot> JobManager::find(const std::string& id) const {

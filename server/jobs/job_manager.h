@@ -143,9 +143,10 @@ class JobManager {
         JobSnapshot seen;  // guarded by mutex_
         std::string scene_sha256;
         int64_t crashes = 0;
-        uint64_t bytes = 0;      // of its files, once it has ended
-        bool running = false;    // on one of the threads
-        bool preparing = false;  // loading, lighting, pilot
+        uint64_t bytes = 0;       // of its files so far
+        uint64_t most_bytes = 0;  // that they may take; 0 for jobs of an earlier run
+        bool running = false;     // on one of the threads
+        bool preparing = false;   // loading, lighting, pilot
         CancelToken cancel;
         CancelToken cancel_mending;
         bool stopped = false;  // by the end of the service, not by a client
@@ -177,6 +178,7 @@ class JobManager {
     void end(const JobPtr& job, const Outcome& outcome);
     // With mutex_ held:
     bool clock_is_steady() const;
+    uint64_t promised_bytes() const;
     JobPtr next_job() const;
     JobSnapshot snapshot(const Job& job) const;
     void enter(Job& job, JobState state, const std::string& cause = {});
@@ -200,6 +202,7 @@ class JobManager {
     std::map<JobPtr, std::set<size_t>> to_mend_;
     std::set<std::pair<int64_t, size_t>> not_mendable_;
     size_t submitting_ = 0;
+    uint64_t submitting_bytes_ = 0;
     /// Wall clock less steady clock at start: a jump of the wall clock makes nothing old.
     const UnixMs clock_offset_ = clock_offset();
     std::set<JobPtr> mending_;

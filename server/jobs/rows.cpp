@@ -21,7 +21,7 @@ std::string sum_of(std::string_view text) {
 }
 
 std::string checked(const std::string& line) {
-    const std::string text = line.substr(std::min(line.size(), kSumDigits + 1));
+    std::string text = line.substr(std::min(line.size(), kSumDigits + 1));
     if (line.compare(0, kSumDigits, sum_of(text)) != 0) {
         throw IoError("rows", "a row is damaged");
     }

@@ -61,6 +61,7 @@ void make_folders(const DataFolder& data) {
     std::error_code error;
     fs::create_directory(data.temporary(), error);
     if (!error) fs::create_directory(data.files(), error);
+    if (!error) fs::create_directory(data.scenes(), error);
     constexpr const char* kDigits = "0123456789abcdef";
     for (int i = 0; i < 256 && !error; ++i) {
         fs::create_directory(data.files() / std::string{kDigits[i / 16], kDigits[i % 16]}, error);
@@ -68,7 +69,7 @@ void make_folders(const DataFolder& data) {
     if (error) refuse(data.path(), error.message());
     for (fs::directory_iterator at(data.temporary(), error), end; !error && at != end;
          at.increment(error)) {
-        fs::remove(at->path(), error);
+        fs::remove_all(at->path(), error);
     }
     if (error) refuse(data.path(), error.message());
     // That it can be written is better known now than with the first probe.

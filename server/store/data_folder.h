@@ -3,6 +3,7 @@
 //   DIR/lock                   held with flock, so that two services never share a directory
 //   DIR/probebake.sqlite       jobs, work units, which files they have (tables.h); also -wal
 //   DIR/files/ab/abcdef...     files by their SHA-256 (file_store.h)
+//   DIR/scenes/NAME/           scenes that clients brought: NAME.json and its files
 //   DIR/temporary/             files that are being written; emptied at start
 //   DIR/ballast                16 MiB that are given up when the disk is full, so that what must be
 //                              written then (deletions, ends of jobs) can be
@@ -31,6 +32,7 @@ class DataFolder {
     const std::filesystem::path& path() const { return folder_; }
     std::filesystem::path database() const { return folder_ / "probebake.sqlite"; }
     std::filesystem::path files() const { return folder_ / "files"; }
+    std::filesystem::path scenes() const { return folder_ / "scenes"; }
     std::filesystem::path temporary() const { return folder_ / "temporary"; }
 
     /// Bytes that may still be written.

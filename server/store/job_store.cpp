@@ -184,6 +184,7 @@ void JobStore::interrupt(int64_t job) {
 bool JobStore::end(int64_t job, JobEnd end, const std::vector<WrittenFile>& written,
                    const std::function<bool()>& give_up) {
     std::vector<std::string> digests;
+    digests.reserve(written.size());
     for (const WrittenFile& file : written) digests.push_back(file.sha256);
     const FileStore::Pin pin(files_, digests);
     for (const WrittenFile& file : written) {

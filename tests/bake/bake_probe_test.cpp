@@ -18,7 +18,7 @@ namespace {
 class BakeProbeTest : public testing::Test {
   protected:
     ProbeResult bake(const JobSpec& job, const UnitParams& unit = {},
-                     LightingState state = LightingState::kAlbedo) const {
+                     const LightingState& state = LightingState::kAlbedo) const {
         const Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), state, cancel_);
         return bake_probe(scene_, job, pilot, unit, cancel_);
     }
@@ -151,7 +151,7 @@ TEST_F(BakeProbeTest, EmissionIsASeparateState) {
     request["lighting_states"] = {"albedo", "emission"};
     request["face_size_px"] = 8;
     const JobSpec job = read_job(request);
-    const auto brightest = [&](LightingState state) {
+    const auto brightest = [&](const LightingState& state) {
         const ProbeResult result = bake(job, {}, state);
         EXPECT_EQ(result.is_float, state == LightingState::kEmission);
         float most = 0.0f;

@@ -88,7 +88,8 @@ class KillTest : public testing::Test {
                     const std::string name = row.at(of).get<std::string>() + "/" +
                                              row.at("state").get<std::string>() + "/" +
                                              file.at("name").get<std::string>();
-                    const auto got = client_->Get("/v1/bakes/" + id + "/probes/" + name);
+                    const auto got = client_->Get(
+                        std::string("/v1/bakes/").append(id).append("/probes/").append(name));
                     EXPECT_TRUE(got && got->status == 200) << name;
                     if (!got) continue;
                     const std::string digest = sha256_hex(std::as_bytes(std::span(got->body)));

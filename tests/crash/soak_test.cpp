@@ -61,7 +61,7 @@ uint64_t work(const test::ServiceProcess& service, uint64_t seed, const std::sto
                 break;
             default:
                 for (const auto& [name, digest] : service.digests(*id)) {
-                    service.get(bake + "/probes/" + name);
+                    service.get(std::string(bake).append("/probes/").append(name));
                 }
         }
     }

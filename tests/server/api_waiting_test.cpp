@@ -204,10 +204,13 @@ TEST(ApiAbout, MetricsAndReadiness) {
     service.bake(test::net_request(2));
     const Answer metrics = service.get("/metrics");
     ASSERT_EQ(metrics.status, 200);
-    for (const char* line : {"probebake_jobs{state=\"SUCCEEDED\"} 1", "probebake_units_total 2",
-                             "probebake_http_requests_total{method=\"POST\",status=\"202\"} 1",
-                             "probebake_jobs_ended_total{state=\"SUCCEEDED\"} 1",
-                             "probebake_store_commits_total", "probebake_disk_free_bytes"}) {
+    for (const char* line :
+         {"probebake_jobs{state=\"SUCCEEDED\"} 1", "probebake_units_total 2",
+          "probebake_http_requests_total{method=\"POST\",status=\"202\"} 1",
+          "probebake_jobs_ended_total{state=\"SUCCEEDED\"} 1",
+          "probebake_media_collisions_total{kind=\"null\"} 0", "probebake_path_faults_total 0",
+          "probebake_error_over_target_count{metric=\"psnr_db\"} 1",
+          "probebake_store_commits_total", "probebake_disk_free_bytes"}) {
         EXPECT_NE(metrics.body.find(line), std::string::npos) << line << "\n" << metrics.body;
     }
     EXPECT_EQ(service.get("/readyz").json().at("ready"), true);

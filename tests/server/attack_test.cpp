@@ -196,7 +196,7 @@ TEST(Attack, TheTextOfAnExceptionStaysHere) {
     options.port = 0;
     const HttpServer server(
         options,
-        [](const httplib::Request& request, httplib::Response&) {
+        [](const httplib::Request& request, httplib::Response&, const httplib::ContentReader*) {
             if (request.path == "/odd") throw 42;  // no std::exception at all
             throw std::runtime_error("secret\r\nSet-Cookie: a");
         },
@@ -250,7 +250,8 @@ TEST(Attack, ClientsThatDoNotReadAreCutOff) {
     options.connection.min_answer_bytes_per_second = uint64_t{16} << 20;
     const HttpServer server(
         options,
-        [](const httplib::Request& request, httplib::Response& response) {
+        [](const httplib::Request& request, httplib::Response& response,
+           const httplib::ContentReader*) {
             if (request.path != "/large") return response.set_content("ok", "text/plain");
             response.set_content_provider(
                 kBytes, "text/plain", [](size_t, size_t length, httplib::DataSink& sink) {

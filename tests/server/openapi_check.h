@@ -105,10 +105,10 @@ class OpenApiCheck {
         const Json& properties = schema.contains("properties") ? schema["properties"] : none;
         for (const auto& [key, part] : value.items()) {
             if (properties.contains(key)) {
-                check(properties[key], part, where + "/" + key, problems);
+                check(properties[key], part, std::string(where).append("/").append(key), problems);
             } else if (schema.contains("additionalProperties") &&
                        schema["additionalProperties"] == false) {
-                problems.push_back(where + ": has an undescribed " + key);
+                problems.push_back(std::string(where).append(": has an undescribed ").append(key));
             }
         }
     }

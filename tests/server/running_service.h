@@ -62,6 +62,10 @@ class RunningService {
     Answer post(const std::string& path, const httplib::Headers& headers, const Json& body) const {
         return answer("POST", path, client().Post(path, headers, body.dump(), "application/json"));
     }
+    Answer put(const std::string& path, const httplib::Headers& headers, const std::string& body,
+               const char* type) const {
+        return answer("PUT", path, client().Put(path, headers, body, type));
+    }
     Answer remove(const std::string& path, const httplib::Headers& headers = {}) const {
         return answer("DELETE", path, client().Delete(path, headers));
     }

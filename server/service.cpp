@@ -32,6 +32,7 @@ Service::Service(const ServiceOptions& options)
             .scenes = scenes_,
             .uploads = uploads_,
             .load = scene_source().load,
+            .sky = scene_source().sky,
             .on_pool = [this](const std::function<void()>& work) { pool_.run(work); },
             .tokens = tokens_,
             .metrics = metrics_,
@@ -52,7 +53,9 @@ Service::Service(const ServiceOptions& options)
 SceneSource Service::scene_source() {
     return {.find = [this](const std::string& name) { return scenes_.find(name); },
             .load = [this](const SceneFile& file,
-                           const CancelToken& cancel) { return cache_.get(file, cancel); }};
+                           const CancelToken& cancel) { return cache_.get(file, cancel); },
+            .sky = [this](const std::filesystem::path& picture,
+                          const CancelToken& cancel) { return cache_.sky(picture, cancel); }};
 }
 
 Service::~Service() { drain(std::chrono::milliseconds(0)); }

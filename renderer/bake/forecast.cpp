@@ -79,7 +79,7 @@ double lighting_rays(const Scene& scene, const LightingState& state, uint64_t li
 }  // namespace
 
 Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan, int threads,
-                       const CancelToken& cancel) {
+                       const CancelToken& cancel, const SkySource& skies) {
     Forecast forecast;
     double bytes = 0.0;
     const auto lit = static_cast<uint64_t>(
@@ -94,8 +94,11 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
         const JobSpec part =
             part_of(scene, job, unlit ? LightingState(LightingState::kAlbedo) : state);
         const Clock::time_point lighting_begin = Clock::now();
-        const ReadyState ready = light_state(scene, part, 0, cancel);
-        if (state.lit() && !unlit) forecast.lighting_seconds += seconds_since(lighting_begin);
+        const ReadyState ready = light_state(scene, part, 0, cancel, skies);
+        // A cache has this light from now on.
+        const bool again = !scene.cache_dir;
+        if (state.lit() && !unlit && again)
+            forecast.lighting_seconds += seconds_since(lighting_begin);
         const Clock::time_point begin = Clock::now();
         const Pilot pilot = run_pilot(scene, part, make_plan(scene, part), ready, cancel);
         forecast.seconds += seconds_since(begin) * static_cast<double>(pilot_pixels(job)) /

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "bake/plan.h"
+#include "light/sky_file.h"
 
 namespace probebake {
 
@@ -20,7 +21,7 @@ struct Forecast {
 
 /// Runs on the calling arena, which has `threads`. Throws Cancelled.
 Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan, int threads,
-                       const CancelToken& cancel);
+                       const CancelToken& cancel, const SkySource& skies = read_sky_file);
 
 Json write_forecast(const Forecast& forecast);
 

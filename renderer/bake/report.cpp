@@ -183,7 +183,8 @@ Json write_lighting(const StateLight& light) {
                  {"steps", cost.steps},
                  {"seconds", cost.seconds},
                  {"wall_seconds", cost.wall_seconds},
-                 {"bytes", cost.memory_bytes}};
+                 {"bytes", cost.memory_bytes},
+                 {"from_cache", cost.from_cache}};
     if (!light.sky_sha256.empty()) json["sky_sha256"] = light.sky_sha256;
     return json;
 }

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "bake/job_spec.h"
+#include "light/sky_file.h"
 #include "scene/scene.h"
 
 namespace probebake {
@@ -31,10 +32,10 @@ struct ReadyState {
 /// folder does not hold.
 void check_sky_file(const Scene& scene, const JobSpec& job, size_t index);
 
-/// Lights the job's state `index`, where it is a lit one. Runs on the calling arena. Throws
-/// SpecError for a picture that cannot be read, and Cancelled.
+/// Lights the job's state `index`, where it is a lit one; with Scene::cache_dir, once. Runs on the
+/// calling arena. Throws SpecError for a picture that cannot be read, and Cancelled.
 ReadyState light_state(const Scene& scene, const JobSpec& job, size_t index,
-                       const CancelToken& cancel);
+                       const CancelToken& cancel, const SkySource& skies = read_sky_file);
 
 /// Bytes that the light of all states of a job is expected to take, before it is computed.
 uint64_t expected_light_bytes(const Scene& scene, const JobSpec& job);

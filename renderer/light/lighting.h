@@ -58,6 +58,7 @@ struct LightingCost {
     double seconds = 0.0;  // summed over threads
     double wall_seconds = 0.0;
     uint64_t memory_bytes = 0;  // of the FaceColors
+    bool from_cache = false;    // not spent now, but the seconds to read it
 
     LightingCost& operator+=(const LightingCost& other);
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,7 +19,19 @@ inline constexpr int kMaxSkyWidth_px = 8192;
 /// value that is negative or not finite.
 std::shared_ptr<const Image> decode_sky(std::span<const std::byte> bytes, const std::string& name);
 
-/// The same of a file; IoError shows its name only, never the folder.
-std::shared_ptr<const Image> read_sky(const std::filesystem::path& path);
+struct SkyFile {
+    std::shared_ptr<const Image> image;
+    std::string sha256;  // of the picture's file
+};
+
+/// The same of a file (io/file_beneath.h); IoError shows its name only, never the folder.
+SkyFile read_sky_file(const std::filesystem::path& path);
+
+/// Whoever decodes pictures: read_sky_file, or somebody who has another process do it.
+using SkySource = std::function<SkyFile(const std::filesystem::path&)>;
+
+/// A decoded picture on disk (io/checked_file.h). Both throw IoError.
+void save_sky(const std::filesystem::path& path, const SkyFile& sky);
+SkyFile load_sky(const std::filesystem::path& path);
 
 }  // namespace probebake

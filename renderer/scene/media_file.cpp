@@ -1,11 +1,13 @@
 #include "scene/media_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "scene/scene_library.h"
 #include "scene/vdb/vdb_file.h"
+#include "volume/grid_file.h"
 
 namespace probebake {
 namespace {
@@ -143,6 +145,36 @@ GridShape load_vdb(const VdbMediumFile& file) {
     return shape;
 }
 
+struct GridNames {
+    GridNames(const std::filesystem::path& stem, size_t medium)
+        : density(stem.string() + "." + std::to_string(medium) + ".density"),
+          emission(stem.string() + "." + std::to_string(medium) + ".emission") {}
+
+    std::filesystem::path density;
+    std::filesystem::path emission;
+};
+
+bool has_grid(const MediumFile& file) { return file.vdb || file.cumulus; }
+
+/// Decodes or generates it, in its own space.
+GridShape make_grid(const MediumFile& file) {
+    if (file.vdb) return load_vdb(*file.vdb);
+    GridShape shape;
+    shape.density = std::make_shared<DensityGrid>(make_cumulus(*file.cumulus));
+    return shape;
+}
+
+GridShape load_cached(const MediumFile& file, const GridNames& names) {
+    GridShape shape;
+    PlacedGrid density = load_grid(names.density);
+    shape.index_to_world = density.index_to_world;
+    shape.density = std::make_shared<DensityGrid>(std::move(density.grid));
+    if (file.vdb && file.vdb->emission_grid) {
+        shape.emission = std::make_shared<DensityGrid>(load_grid(names.emission).grid);
+    }
+    return shape;
+}
+
 }  // namespace
 
 std::vector<MediumFile> read_media(ObjectReader& scene, const std::filesystem::path& folder) {
@@ -154,17 +186,38 @@ std::vector<MediumFile> read_media(ObjectReader& scene, const std::filesystem::p
     return media;
 }
 
-Media load_media(const std::vector<MediumFile>& files) {
+void cache_grids(const std::vector<MediumFile>& files, const std::filesystem::path& stem) {
+    for (size_t i = 0; i < files.size(); ++i) {
+        if (!has_grid(files[i])) continue;
+        const GridShape shape = make_grid(files[i]);
+        const GridNames names(stem, i);
+        save_grid(names.density, *shape.density, shape.index_to_world);
+        if (shape.emission) save_grid(names.emission, *shape.emission, shape.index_to_world);
+    }
+}
+
+bool has_grid_files(const std::vector<MediumFile>& files) {
+    return std::any_of(files.begin(), files.end(),
+                       [](const MediumFile& file) { return file.vdb.has_value(); });
+}
+
+void remove_cached_grids(const std::vector<MediumFile>& files, const std::filesystem::path& stem) {
+    for (size_t i = 0; i < files.size(); ++i) {
+        const GridNames names(stem, i);
+        std::error_code error;
+        std::filesystem::remove(names.density, error);
+        std::filesystem::remove(names.emission, error);
+    }
+}
+
+Media load_media(const std::vector<MediumFile>& files,
+                 const std::optional<std::filesystem::path>& stem) {
     std::vector<MediumSpec> specs;
-    for (const MediumFile& file : files) {
+    for (size_t i = 0; i < files.size(); ++i) {
+        const MediumFile& file = files[i];
         specs.push_back(file.spec);
-        if (!file.vdb && !file.cumulus) continue;
-        GridShape shape;
-        if (file.vdb) {
-            shape = load_vdb(*file.vdb);
-        } else {
-            shape.density = std::make_shared<DensityGrid>(make_cumulus(*file.cumulus));
-        }
+        if (!has_grid(file)) continue;
+        GridShape shape = stem ? load_cached(file, GridNames(*stem, i)) : make_grid(file);
         shape.index_to_world = file.place.after(shape.index_to_world);
         specs.back().shape = std::move(shape);
     }

@@ -34,9 +34,19 @@ struct MediumFile {
 /// the reader's issues.
 std::vector<MediumFile> read_media(ObjectReader& scene, const std::filesystem::path& folder);
 
-/// Reads or generates the grids and builds the octrees, in parallel on the calling arena. Throws
-/// IoError for files that are no densities.
-Media load_media(const std::vector<MediumFile>& files);
+/// Whether files of other programs are read for them.
+bool has_grid_files(const std::vector<MediumFile>& files);
+
+/// Decodes or generates the grids and keeps them as STEM.0.density and on (volume/grid_file.h).
+/// Parallel on the calling arena. Throws IoError for files that are no densities.
+void cache_grids(const std::vector<MediumFile>& files, const std::filesystem::path& stem);
+void remove_cached_grids(const std::vector<MediumFile>& files, const std::filesystem::path& stem);
+
+/// Reads or generates the grids and builds the octrees, in parallel on the calling arena; with
+/// `stem`, from what cache_grids left there. Throws IoError for files that are no densities, and
+/// where the cache does not have them whole.
+Media load_media(const std::vector<MediumFile>& files,
+                 const std::optional<std::filesystem::path>& stem = std::nullopt);
 
 /// The box that holds all of them, m; its sides are infinite where one never ends. At least one.
 Box extent_of(const Media& media);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "math/vec.h"
@@ -31,7 +32,9 @@ struct Scene {
     Media media;  // in metres; octrees of the default depth
     double voxel_size_m = 1.0;
     Vec3 corner_m{0.0};
-    std::filesystem::path folder;       // of the scene file and of pictures of skies
+    std::filesystem::path folder;  // of the scene file and of pictures of skies
+    /// Where what is made of it may be kept between runs: trees, grids, light.
+    std::optional<std::filesystem::path> cache_dir;
     std::vector<std::string> warnings;  // of the importer
     SceneLoadStats load;
 

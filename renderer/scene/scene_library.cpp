@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "io/cache_folder.h"
 #include "io/file_beneath.h"
 #include "io/json.h"
 #include "io/sha256.h"
@@ -126,11 +127,17 @@ Scene scene_of(const SceneFile& file) {
     return scene;
 }
 
-void put_world(World world, const SceneFile& file, Scene& scene) {
+void put_world(World world, const SceneFile& file, Media media, Scene& scene) {
     scene.tree = std::move(world.tree);
     scene.warnings = std::move(world.warnings);
     scene.corner_m = file.origin_m + Vec3(world.lowest) * scene.voxel_size_m;
-    scene.media = load_media(file.media);
+    scene.media = std::move(media);
+}
+
+/// Of what is kept of a scene beside its tree.
+std::filesystem::path cached_stem(const std::filesystem::path& cache_dir,
+                                  const std::string& sha256) {
+    return cache_dir / sha256;
 }
 
 }  // namespace
@@ -198,17 +205,27 @@ std::string content_sha256(const SceneFile& file) {
 Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::path>& cache_dir) {
     const auto start = Clock::now();
     if (cache_dir) {
-        if (std::optional<Scene> scene = find_cached_scene(file, *cache_dir))
+        if (std::optional<Scene> scene = find_cached_scene(file, *cache_dir)) {
+            scene->cache_dir = cache_dir;
             return *std::move(scene);
+        }
     }
     Scene scene = scene_of(file);
+    scene.cache_dir = cache_dir;
     World world = make_world(file, scene.load);
+    std::optional<Media> media;
     try {
-        if (cache_dir) save_world(cached_tree(*cache_dir, scene.sha256), world);
+        if (cache_dir) {
+            const std::filesystem::path stem = cached_stem(*cache_dir, scene.sha256);
+            save_world(cached_tree(*cache_dir, scene.sha256), world);
+            cache_grids(file.media, stem);
+            media = load_media(file.media, stem);
+        }
     } catch (const std::runtime_error& error) {  // costs time later, nothing else
         world.warnings.push_back(std::string("the scene cache was not written: ") + error.what());
     }
-    put_world(std::move(world), file, scene);
+    if (!media) media = load_media(file.media);
+    put_world(std::move(world), file, std::move(*media), scene);
     scene.load.total_seconds = seconds_since(start);
     return scene;
 }
@@ -224,16 +241,33 @@ std::optional<Scene> find_cached_scene(const SceneFile& file,
     Scene scene = scene_of(file);
     std::optional<World> world = load_world(cached_tree(cache_dir, scene.sha256));
     if (!world) return std::nullopt;
+    try {
+        put_world(std::move(*world), file,
+                  load_media(file.media, cached_stem(cache_dir, scene.sha256)), scene);
+    } catch (const IoError&) {  // a grid that is not there whole
+        return std::nullopt;
+    }
+    mark_used(cached_tree(cache_dir, scene.sha256));
     scene.load.from_cache = true;
-    put_world(std::move(*world), file, scene);
     scene.load.total_seconds = seconds_since(start);
     return scene;
 }
 
 void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir) {
     SceneLoadStats stats;
-    save_world(cached_tree(cache_dir, content_sha256(file)), make_world(file, stats));
+    const std::string sha256 = content_sha256(file);
+    save_world(cached_tree(cache_dir, sha256), make_world(file, stats));
+    cache_grids(file.media, cached_stem(cache_dir, sha256));
 }
+
+void remove_cached_scene(const SceneFile& file, const std::string& sha256,
+                         const std::filesystem::path& cache_dir) {
+    std::error_code error;
+    std::filesystem::remove(cached_tree(cache_dir, sha256), error);
+    remove_cached_grids(file.media, cached_stem(cache_dir, sha256));
+}
+
+bool is_foreign(const SceneFile& file) { return !file.generator || has_grid_files(file.media); }
 
 SceneLibrary::SceneLibrary(std::filesystem::path folder,
                            std::optional<std::filesystem::path> uploads)

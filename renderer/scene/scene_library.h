@@ -74,9 +74,14 @@ std::filesystem::path cached_tree(const std::filesystem::path& cache_dir,
 /// No value where the cache does not have it whole. Throws IoError for files that cannot be read.
 std::optional<Scene> find_cached_scene(const SceneFile& file,
                                        const std::filesystem::path& cache_dir);
-/// Makes the scene's tree and puts it into the cache. Throws as load_scene, and where the cache
-/// cannot be written.
+/// Makes the scene's tree, decodes its grids and puts them into the cache. Throws as load_scene,
+/// and where the cache cannot be written.
 void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir);
+/// Takes what import_scene made out of the cache again.
+void remove_cached_scene(const SceneFile& file, const std::string& sha256,
+                         const std::filesystem::path& cache_dir);
+/// Whether files of other programs are read for it.
+bool is_foreign(const SceneFile& file);
 
 class SceneLibrary {
   public:

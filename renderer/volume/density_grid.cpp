@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace probebake {
 namespace {
@@ -144,6 +145,33 @@ DensityGrid::DensityGrid(const BuildParams& params, const FillBrick& fill)
     }
     if (all.not_finite + all.negative > 0) throw BadDensity(all.not_finite, all.negative, first);
     keep_as_half_if_exact();
+}
+
+DensityGrid::DensityGrid(Arrays arrays)
+    : low_(arrays.low),
+      cells_(arrays.cells),
+      table_(std::move(arrays.table)),
+      constants_(std::move(arrays.constants)),
+      float_(std::move(arrays.floats)),
+      half_(std::move(arrays.halves)) {
+    const auto require = [](bool fits) {
+        if (!fits) throw std::invalid_argument("arrays that do not fit together");
+    };
+    check_extent({low_, cells_});
+    bricks_ = (cells_ + kBrick - 1) / kBrick;
+    require(table_.size() == static_cast<size_t>(bricks_.x) * static_cast<size_t>(bricks_.y) *
+                                 static_cast<size_t>(bricks_.z));
+    require(!constants_.empty() && (float_.empty() || half_.empty()));
+    require((float_.size() + half_.size()) % kBrickValues == 0);
+    const uint64_t stored = stored_bricks();
+    require(std::all_of(table_.begin(), table_.end(), [&](uint32_t e) {
+        return (e & kConstant) != 0 ? (e & ~kConstant) < constants_.size() : e < stored;
+    }));
+    const auto is_density = [](float v) { return v >= 0.0f && std::isfinite(v); };
+    require(std::all_of(constants_.begin(), constants_.end(), is_density));
+    require(std::all_of(float_.begin(), float_.end(), is_density));
+    require(std::all_of(half_.begin(), half_.end(),
+                        [&](uint16_t h) { return h < 0x7C00 && is_density(from_half(h)); }));
 }
 
 void DensityGrid::keep_as_half_if_exact() {

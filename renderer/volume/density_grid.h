@@ -41,7 +41,19 @@ class DensityGrid {
         IVec3 cells{1};  // extent
     };
 
+    /// What a grid consists of, as grid_file.h keeps it.
+    struct Arrays {
+        IVec3 low{0};
+        IVec3 cells{0};
+        std::vector<uint32_t> table;
+        std::vector<float> constants;
+        std::vector<float> floats;
+        std::vector<uint16_t> halves;
+    };
+
     DensityGrid() = default;
+    /// Throws std::invalid_argument for arrays that do not fit together or hold what no density is.
+    explicit DensityGrid(Arrays arrays);
     /// Throws std::length_error for an extent beyond kMaxCells or kMaxBricks.
     static void check_extent(const BuildParams& params);
     /// In parallel on the calling arena. Throws as check_extent, and BadDensity for values that are
@@ -67,6 +79,10 @@ class DensityGrid {
     Bounds brick_bounds(const IVec3& brick) const;
 
     bool is_half() const { return !half_.empty(); }
+    std::span<const uint32_t> table() const { return table_; }
+    std::span<const float> constants() const { return constants_; }
+    std::span<const float> floats() const { return float_; }
+    std::span<const uint16_t> halves() const { return half_; }
     uint64_t stored_bricks() const;
     uint64_t memory_bytes() const;
 

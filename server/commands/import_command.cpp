@@ -8,6 +8,7 @@
 #include "engine/scene_archive.h"
 #include "engine/scene_import.h"
 #include "io/io_error.h"
+#include "light/sky_file.h"
 
 namespace probebake {
 namespace {
@@ -16,6 +17,7 @@ struct ImportOptions {
     std::filesystem::path scene;
     std::filesystem::path cache;
     std::optional<std::filesystem::path> archive;
+    std::optional<std::filesystem::path> sky;
     uint64_t memory_mib = 8192;
     int64_t seconds = 600;
 };
@@ -36,6 +38,10 @@ int run_import(const ImportOptions& options) {
     try {
         limit_this_process({.memory_bytes = options.memory_mib << 20,
                             .time = std::chrono::seconds(options.seconds)});
+        if (options.sky) {
+            save_sky(*options.sky, read_sky_file(options.scene));
+            return 0;
+        }
         if (options.archive) {
             unpack_scene(*options.archive, options.scene.parent_path(),
                          options.scene.stem().string());
@@ -58,8 +64,9 @@ void add_import_command(CLI::App& app, CommandWork& work) {
     auto* command =
         app.add_subcommand("import-scene", "Put a scene's tree into a cache, within limits");
     const auto options = std::make_shared<ImportOptions>();
-    command->add_option("scene", options->scene, "Scene file")->required();
-    command->add_option("--cache", options->cache, "Folder of the cache")->required();
+    command->add_option("scene", options->scene, "Scene file, or picture of a sky")->required();
+    command->add_option("--cache", options->cache, "Folder of the cache");
+    command->add_option("--sky", options->sky, "Decode a picture to this file");
     command->add_option("--archive", options->archive, "Archive to unpack beside the scene file");
     command->add_option("--memory-mib", options->memory_mib, "Address space, MiB")
         ->check(CLI::Range(1, 1 << 30))

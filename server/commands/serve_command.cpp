@@ -30,6 +30,7 @@ struct ServeOptions {
     uint64_t keep_gib = 16;
     uint64_t keep_days = 30;
     uint64_t min_free_mib = 64;
+    uint64_t cache_gib = 64;
     uint64_t max_upload_mib = 0;
     uint64_t scene_gib = 8;
     uint64_t import_mib = 8192;
@@ -59,6 +60,7 @@ ServiceOptions service_options(const ServeOptions& options) {
     service.scenes = options.scenes.scenes;
     service.threads = options.scenes.threads;
     service.cache.tree_cache_dir = options.scenes.cache;
+    service.cache.cache_bytes = options.cache_gib << 30;
     service.cache.memory_budget_bytes = options.scene_gib << 30;
     service.jobs.keep_bytes = options.keep_gib << 30;
     service.jobs.keep_time = std::chrono::hours(24 * options.keep_days);
@@ -175,6 +177,9 @@ void add_serve_command(CLI::App& app, CommandWork& work) {
         ->capture_default_str();
     options->scenes.add_to(*command);
     command->add_option("--scene-gib", options->scene_gib, "Memory for loaded scenes, GiB")
+        ->check(CLI::Range(0, 1 << 20))
+        ->capture_default_str();
+    command->add_option("--cache-gib", options->cache_gib, "Files of --cache to keep, GiB")
         ->check(CLI::Range(0, 1 << 20))
         ->capture_default_str();
     command

@@ -80,8 +80,9 @@ class BakeRun {
                                      [](const LightingState& state) { return state.lit(); });
         if (any) enter(BakePhase::kLighting);
         for (size_t s = 0; s < job_.states.size(); ++s) {
-            params_.pool.run(
-                [&] { states_.push_back(light_state(*scene_, job_, s, params_.cancel)); });
+            params_.pool.run([&] {
+                states_.push_back(light_state(*scene_, job_, s, params_.cancel, params_.skies));
+            });
         }
     }
 

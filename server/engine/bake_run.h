@@ -86,6 +86,8 @@ struct BakeParams {
     /// Called before a unit is baked, from a pool thread but for atlases.
     std::function<void(size_t unit)> begin = {};
     BakeHistory history = {};
+    /// Who decodes pictures of skies.
+    SkySource skies = read_sky_file;
 };
 
 /// The report. Throws SpecError where scene and job do not fit, Cancelled, UnitsFailed, and what

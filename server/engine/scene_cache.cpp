@@ -3,7 +3,10 @@
 #include <chrono>
 #include <utility>
 
+#include "io/cache_folder.h"
+#include "io/file_beneath.h"
 #include "io/io_error.h"
+#include "io/sha256.h"
 
 namespace probebake {
 namespace {
@@ -64,8 +67,9 @@ void SceneCache::load(const SceneFile& file, const std::string& key,
 }
 
 std::shared_ptr<const Scene> SceneCache::load_or_throw(const SceneFile& file) {
+    if (options_.tree_cache_dir) trim_cache(*options_.tree_cache_dir, options_.cache_bytes);
     std::optional<Scene> scene;
-    if (file.generator || !options_.importer) {
+    if (!is_foreign(file) || !options_.importer) {
         pool_.run([&] { scene = load_scene(file, options_.tree_cache_dir); });
         return std::make_shared<const Scene>(std::move(*scene));
     }
@@ -76,9 +80,29 @@ std::shared_ptr<const Scene> SceneCache::load_or_throw(const SceneFile& file) {
         import_in_process(*options_.importer, file, folder, end_);
         scene = find_cached_scene(file, folder);
         if (!scene) throw IoError(file.name, "was changed while it was imported");
-        if (!options_.tree_cache_dir) std::filesystem::remove(cached_tree(folder, scene->sha256));
+        if (!options_.tree_cache_dir) remove_cached_scene(file, scene->sha256, folder);
     }
+    scene->cache_dir = options_.tree_cache_dir;
     return std::make_shared<const Scene>(std::move(*scene));
+}
+
+SkyFile SceneCache::sky(const std::filesystem::path& picture, const CancelToken& cancel) const {
+    if (!options_.importer) return read_sky_file(picture);
+    const std::filesystem::path folder =
+        options_.tree_cache_dir.value_or(options_.importer->scratch);
+    const std::filesystem::path kept =
+        folder / (sha256_hex(read_file_beneath(picture, kMaxSkyFileBytes)) + ".sky");
+    std::error_code error;
+    if (!std::filesystem::exists(kept, error)) {
+        import_sky_in_process(*options_.importer, picture, kept, cancel);
+    }
+    SkyFile sky = load_sky(kept);
+    if (options_.tree_cache_dir) {
+        mark_used(kept);
+    } else {
+        std::filesystem::remove(kept, error);
+    }
+    return sky;
 }
 
 void SceneCache::evict() {

@@ -18,6 +18,7 @@
 #include "engine/render_pool.h"
 #include "engine/scene_import.h"
 #include "io/cancel.h"
+#include "light/sky_file.h"
 #include "scene/scene_library.h"
 
 namespace probebake {
@@ -26,8 +27,10 @@ class SceneCache {
   public:
     struct Options {
         uint64_t memory_budget_bytes = uint64_t{8} << 30;
-        /// Where trees are kept between runs; none: nowhere.
+        /// Where trees, grids and light are kept between runs; none: nowhere.
         std::optional<std::filesystem::path> tree_cache_dir;
+        /// Of that folder, beyond which what was not used for longest is removed.
+        uint64_t cache_bytes = uint64_t{64} << 30;
         /// How files of other programs are imported; none: by this process.
         std::optional<ImportProcess> importer;
     };
@@ -41,6 +44,9 @@ class SceneCache {
     /// The scene of this file. A file whose content changed is another scene. Throws what
     /// load_scene throws, and Cancelled.
     std::shared_ptr<const Scene> get(const SceneFile& file, const CancelToken& cancel);
+
+    /// The picture of a sky, decoded as scenes are imported. Throws IoError and Cancelled.
+    SkyFile sky(const std::filesystem::path& picture, const CancelToken& cancel) const;
 
     /// Bytes of the scenes that are loaded.
     uint64_t memory_bytes() const;

@@ -105,17 +105,14 @@ std::string reason(const Child& child) {
     return text.empty() ? "its import failed" : text;
 }
 
-/// Runs the child that makes the scene file's tree; `more` goes to its command line.
-void run_child(const ImportProcess& process, const std::filesystem::path& scene,
-               const std::filesystem::path& cache_dir, const std::vector<std::string>& more,
-               const CancelToken& cancel) {
+/// Runs the child on a file; `more` goes to its command line.
+void run_child(const ImportProcess& process, const std::filesystem::path& file,
+               const std::vector<std::string>& more, const CancelToken& cancel) {
     const ImportLimits& limits = process.limits;
-    const std::string name = scene.stem().string();
+    const std::string name = file.stem().string();
     std::vector<std::string> args = {process.program.string(),
                                      "import-scene",
-                                     scene.string(),
-                                     "--cache",
-                                     cache_dir.string(),
+                                     file.string(),
                                      "--memory-mib",
                                      std::to_string(limits.memory_bytes >> 20),
                                      "--seconds",
@@ -134,13 +131,20 @@ void run_child(const ImportProcess& process, const std::filesystem::path& scene,
 
 void import_in_process(const ImportProcess& process, const SceneFile& file,
                        const std::filesystem::path& cache_dir, const CancelToken& cancel) {
-    run_child(process, file.folder / (file.name + ".json"), cache_dir, {}, cancel);
+    run_child(process, file.folder / (file.name + ".json"), {"--cache", cache_dir.string()},
+              cancel);
 }
 
 void import_archive_in_process(const ImportProcess& process, const std::filesystem::path& archive,
                                const std::filesystem::path& scene,
                                const std::filesystem::path& cache_dir, const CancelToken& cancel) {
-    run_child(process, scene, cache_dir, {"--archive", archive.string()}, cancel);
+    run_child(process, scene, {"--cache", cache_dir.string(), "--archive", archive.string()},
+              cancel);
+}
+
+void import_sky_in_process(const ImportProcess& process, const std::filesystem::path& picture,
+                           const std::filesystem::path& into, const CancelToken& cancel) {
+    run_child(process, picture, {"--sky", into.string()}, cancel);
 }
 
 void limit_this_process(const ImportLimits& limits) {

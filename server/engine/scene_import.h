@@ -38,6 +38,10 @@ void import_archive_in_process(const ImportProcess& process, const std::filesyst
                                const std::filesystem::path& scene,
                                const std::filesystem::path& cache_dir, const CancelToken& cancel);
 
+/// Decodes the picture of a sky to the file `into` (light/sky_file.h). Throws the same.
+void import_sky_in_process(const ImportProcess& process, const std::filesystem::path& picture,
+                           const std::filesystem::path& into, const CancelToken& cancel);
+
 /// What the child does with itself before it opens anything.
 void limit_this_process(const ImportLimits& limits);
 

@@ -28,6 +28,8 @@ class Api {
         SceneUploads& uploads;
         /// Loads a scene, or takes it from a cache.
         std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)> load;
+        /// Decodes a picture of a sky.
+        std::function<SkyFile(const std::filesystem::path&, const CancelToken&)> sky;
         /// Does work for a check on the render threads.
         std::function<void(const std::function<void()>&)> on_pool;
         const Tokens& tokens;

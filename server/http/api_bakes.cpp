@@ -174,8 +174,11 @@ void Api::check(const Call& call) {
                    {"plan", write_plan(plan)}};
     try {
         parts_.on_pool([&] {
+            const SkySource skies = [&](const std::filesystem::path& picture) {
+                return parts_.sky(picture, deadline.token());
+            };
             answer["estimate"] = write_forecast(
-                make_forecast(*scene, request.spec, plan, parts_.threads, deadline.token()));
+                make_forecast(*scene, request.spec, plan, parts_.threads, deadline.token(), skies));
         });
     } catch (const Cancelled&) {
         answer["estimate"] = nullptr;  // the renderers are busy, or the job's probes take too long

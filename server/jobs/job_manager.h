@@ -58,6 +58,11 @@ struct SceneSource {
     std::function<std::optional<SceneFile>(const std::string&)> find;
     /// Loads the scene, or takes it from a cache. Throws what SceneCache::get throws.
     std::function<std::shared_ptr<const Scene>(const SceneFile&, const CancelToken&)> load;
+    /// Decodes a picture of a sky. Throws what SceneCache::sky throws.
+    std::function<SkyFile(const std::filesystem::path&, const CancelToken&)> sky =
+        [](const std::filesystem::path& picture, const CancelToken&) {
+            return read_sky_file(picture);
+        };
 };
 
 /// Files of a job that has SUCCEEDED.

@@ -300,7 +300,9 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
                  const std::lock_guard lock(attempts_mutex);
                  attempts[unit] = attempt;
              },
-         .history = history_of(job, spec)});
+         .history = history_of(job, spec),
+         .skies =
+             [&](const std::filesystem::path& path) { return scenes_.sky(path, job.cancel); }});
     if (options_.on_report) options_.on_report(report);
     RowFile report_file(store_.data());
     report_file.add_text(dump_json(report) + "\n");
@@ -332,7 +334,11 @@ void JobManager::run_mend(const JobPtr& job, const std::set<size_t>& units) {
                          const ProbeResult& result) { mend(unit_of(spec, result), result.files); },
              .grid_sink =
                  [&](const GridResult& result) { mend(unit_of(spec, result), result.files); },
-             .history = {.only = units}});
+             .history = {.only = units},
+             .skies =
+                 [&](const std::filesystem::path& path) {
+                     return scenes_.sky(path, job->cancel_mending);
+                 }});
         mended = true;
     } catch (const Cancelled&) {
         stopped = true;

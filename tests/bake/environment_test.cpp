@@ -43,7 +43,7 @@ class EnvironmentTest : public testing::Test {
     }
     /// A pixel that sees the sky shows the picture there; one that sees a voxel shows light of it.
     void expect_sky_and_light(const Cubemap& cube, const std::string& file) const {
-        const Sky sky(SkyPicture{read_sky(scene_.folder / file), kScale, 0.0});
+        const Sky sky(SkyPicture{read_sky_file(scene_.folder / file).image, kScale, 0.0});
         const int n = cube.face_size();
         int misses = 0;
         int lit = 0;
@@ -103,7 +103,7 @@ std::vector<std::byte> exr_of(const Image& image) {
 TEST_F(EnvironmentTest, TheSameSkyInBothFormatsGivesTheSameCubemap) {
     const std::filesystem::path own = PROBEBAKE_SOURCE_DIR "/configs/scenes/dusk.hdr";
     std::filesystem::copy_file(own, scene_.folder / "dusk.hdr");
-    write_file_atomically(scene_.folder / "dusk.exr", exr_of(*read_sky(own)));
+    write_file_atomically(scene_.folder / "dusk.exr", exr_of(*read_sky_file(own).image));
     const Cubemap from_hdr = bake("dusk.hdr");
     const Cubemap from_exr = bake("dusk.exr");
     const auto a = from_hdr.image().pixels();

@@ -50,7 +50,7 @@ TEST(SkyFile, RefusesWhatIsNoSkyAndNamesTheFileOnly) {
     const std::vector<std::byte> whole = exr_picture(8, 4, 1.0f);
     refused(std::span(whole).first(whole.size() - 10), "sky.exr");
     try {
-        read_sky("/no/such/folder/sky.hdr");
+        read_sky_file("/no/such/folder/sky.hdr");
         ADD_FAILURE();
     } catch (const IoError& error) {
         EXPECT_EQ(std::string(error.what()).find("folder/"), std::string::npos);
@@ -62,8 +62,8 @@ TEST(SkyFile, TheRealSkyIsTheSameInBothFormats) {
     const auto hdr_path = test::data_file("hdr/blouberg_sunrise_2_1k.hdr");
     const auto exr_path = test::data_file("hdr/blouberg_sunrise_2_1k.exr");
     if (!hdr_path || !exr_path) GTEST_SKIP() << "no hdr/ in PROBEBAKE_DATA";
-    const auto hdr = read_sky(*hdr_path);
-    const auto exr = read_sky(*exr_path);
+    const auto hdr = read_sky_file(*hdr_path).image;
+    const auto exr = read_sky_file(*exr_path).image;
     ASSERT_EQ(hdr->width(), 1024);
     ASSERT_EQ(hdr->height(), 512);
     Rgb largest(0.0f);

@@ -214,6 +214,28 @@ TEST_F(VdbEmission, GridsOfAnyNameMultiplyTheEmissionAndAreOptional) {
     EXPECT_EQ(media.all()[0].density(0.25 * Vec3(1, 2, 3)), 0.5);
 }
 
+TEST_F(VdbEmission, ACacheGivesTheSameMediaWithoutTheFileBeingDecoded) {
+    const Media made = load(R"(, "emission_grid": "temperature")");
+    const SceneFile file = read_scene_file(folder_ / "scene.json");
+    EXPECT_TRUE(is_foreign(file));
+    const std::filesystem::path cache = folder_ / "cache";
+    EXPECT_FALSE(find_cached_scene(file, cache));
+    import_scene(file, cache);
+    const std::optional<Scene> scene = find_cached_scene(file, cache);
+    ASSERT_TRUE(scene);
+    const auto& shape = std::get<GridShape>(scene->media.all()[0].spec.shape);
+    EXPECT_EQ(shape.density->sample({1, 2, 3.5}), 0.25);
+    EXPECT_EQ(shape.emission->sample({1, 2, 3.5}), 1.0);
+    EXPECT_EQ(scene->media.all()[0].density(0.25 * Vec3(1, 2, 3)), 0.5);
+    EXPECT_EQ(scene->media.all()[0].octree.nodes(), made.all()[0].octree.nodes());
+
+    const std::filesystem::path grid = cache / (content_sha256(file) + ".0.density");
+    std::filesystem::resize_file(grid, std::filesystem::file_size(grid) - 1);
+    EXPECT_FALSE(find_cached_scene(file, cache)) << "a damaged grid";
+    remove_cached_scene(file, content_sha256(file), cache);
+    EXPECT_TRUE(std::filesystem::is_empty(cache));
+}
+
 TEST_F(VdbEmission, WhatIsNoEmissionIsRefusedByGrid) {
     EXPECT_EQ(error_of(R"(, "emission_grid": "flames")"),
               "fire.vdb: no grid 'flames'; the file holds 'density', 'temperature'");

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bake/job_spec.h"
-#include "temp_folder.h"
+#include "support/temp_folder.h"
 
 namespace probebake::test {
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "temp_folder.h"
+#include "support/temp_folder.h"
 
 namespace probebake::test {
 

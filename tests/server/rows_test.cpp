@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/io_error.h"
-#include "temp_folder.h"
+#include "support/temp_folder.h"
 
 namespace probebake {
 namespace {

@@ -120,6 +120,50 @@ TEST_F(SceneImportTest, ACancelledImportEndsAtOnce) {
               10.0);
 }
 
+TEST_F(SceneImportTest, PicturesOfSkiesAreDecodedElsewhere) {
+    const std::filesystem::path own = PROBEBAKE_SOURCE_DIR "/configs/scenes/dusk.hdr";
+    const SkyFile expected = read_sky_file(own);
+    for (const bool kept : {false, true}) {
+        SceneCache::Options options;
+        options.importer = process();
+        std::filesystem::create_directories(options.importer->scratch);
+        if (kept) options.tree_cache_dir = path("cache");
+        std::filesystem::create_directories(path("cache"));
+        const SceneCache cache(pool_, options);
+        for (int i = 0; i < 2; ++i) {
+            const SkyFile sky = cache.sky(own, cancel_);
+            EXPECT_EQ(*sky.image, *expected.image);
+            EXPECT_EQ(sky.sha256, expected.sha256);
+        }
+        EXPECT_TRUE(std::filesystem::is_empty(options.importer->scratch)) << "a sky is left over";
+    }
+    SceneCache::Options options;
+    options.importer = process("kill -SEGV $$");
+    const SceneCache cache(pool_, options);
+    EXPECT_THROW(cache.sky(own, cancel_), IoError);
+}
+
+TEST_F(SceneImportTest, LightIsKeptBetweenRunsAndChangesNothing) {
+    const std::filesystem::path cache = path("cache");
+    Json request = test::net_request(1);
+    request["lighting_states"] = {
+        {{"id", "day"}, {"sun", {{"direction", {1, 2, 1}}, {"irradiance_w_m2", {3, 3, 3}}}}}};
+    std::vector<Json> reports;
+    std::vector<std::string> cubes;
+    for (int run = 0; run < 2; ++run) {
+        const test::RunningService service(
+            [&](ServiceOptions& options) { options.cache.tree_cache_dir = cache; });
+        const std::string bake = "/v1/bakes/" + service.bake(request);
+        reports.push_back(service.get(bake + "/report").json().at("states").at(0).at("lighting"));
+        const Json row = service.get(bake + "/probes").json().at("rows").at(0);
+        cubes.push_back(row.at("files").at(0).at("sha256"));
+    }
+    EXPECT_EQ(reports[0].at("from_cache"), false);
+    EXPECT_EQ(reports[1].at("from_cache"), true);
+    EXPECT_EQ(reports[0].at("sun_rays"), reports[1].at("sun_rays"));
+    EXPECT_EQ(cubes[0], cubes[1]);
+}
+
 TEST_F(SceneImportTest, TheJobFailsWithTheReasonAndTheServiceGoesOn) {
     test::RunningService service(
         [&](ServiceOptions& options) { options.cache.importer = process("kill -SEGV $$"); });

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "io/sha256.h"
-#include "server/temp_folder.h"
 #include "store/job_store.h"
+#include "support/temp_folder.h"
 
 namespace probebake::test {
 

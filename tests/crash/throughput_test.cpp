@@ -40,6 +40,7 @@ Rate rate_of(int clients, std::chrono::milliseconds time, const std::function<bo
     const auto begin = Clock::now();
     {
         std::vector<std::jthread> threads;
+        threads.reserve(static_cast<size_t>(clients));
         for (int i = 0; i < clients; ++i) {
             threads.emplace_back([&] {
                 std::vector<double> own;

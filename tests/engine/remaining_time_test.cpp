@@ -19,6 +19,7 @@ TEST(RemainingTime, ItsIntervalCovers) {
     for (uint64_t bake = 0; bake < 300; ++bake) {
         RandomStream random(random_key({bake, 5}));
         std::vector<double> seconds;
+        seconds.reserve(40);
         for (int i = 0; i < 40; ++i) seconds.push_back(std::exp(2.0 * random.uniform() - 1.0));
         UnitTimes times;
         double elapsed = 0.0;

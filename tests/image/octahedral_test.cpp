@@ -107,6 +107,7 @@ TEST(Octahedral, TheBorderIsAsInRtxgisFigure) {
     fill_octahedral_border(tile, 0, 0, 6);
     const auto row = [&](int y) {
         std::vector<int> values;
+        values.reserve(8);
         for (int x = 0; x < 8; ++x) values.push_back(static_cast<int>(tile.at(x, y).r));
         return values;
     };

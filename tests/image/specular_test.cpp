@@ -93,6 +93,7 @@ TEST(Specular, AFineChainIsFastAndRight) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::printf("%.2f s for %d texels of alpha 0.04\n", seconds, int(owned_pixel_count(64)));
     std::vector<double> solid_angles;
+    solid_angles.reserve(static_cast<size_t>(n * n));
     for (int i = 0; i < n * n; ++i) solid_angles.push_back(pixel_solid_angle(i % n, i / n, n));
     double largest = 0.0;
     for (int i = 0; i < 12; ++i) {

@@ -17,7 +17,7 @@ class AccessTest : public testing::Test {
   protected:
     std::string add(const std::string& tenant, const std::vector<std::string>& scopes,
                     const std::string& expires_at = {}) {
-        const std::string token = new_token();
+        std::string token = new_token();
         entries_.push_back(write_token_entry(token, tenant, scopes, expires_at));
         return token;
     }

@@ -103,6 +103,7 @@ TEST(ApiWaiting, WaitersLeaveHalfOfTheThreadsAlone) {
     RunningService service([](ServiceOptions& options) { options.http.pool.workers = 4; });
     const std::string id = service.submit(test::costly_request(5000, 16));
     std::vector<std::jthread> waiters;
+    waiters.reserve(2);
     for (int i = 0; i < 2; ++i) {
         waiters.emplace_back([&] { service.get(path_of(id) + "/events"); });
     }

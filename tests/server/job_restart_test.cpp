@@ -68,7 +68,7 @@ TEST_F(JobRestartTest, AtlasesOfAStoppedJobAreThoseOfAnUndisturbedOne) {
     const std::string whole = submit(request);
     wait_until_ended(whole);
     const std::string id = submit(request);
-    for (const uint64_t done : {4, 11, 23}) {
+    for (const uint64_t done : {uint64_t{4}, uint64_t{11}, uint64_t{23}}) {
         wait_until(id, [&](const JobSnapshot& job) { return job.progress.units_done >= done; });
         restart();
     }
@@ -93,6 +93,7 @@ TEST_F(JobRestartTest, JobsWaitThroughARestartInTheirOrder) {
     gated_ = true;
     start({.max_running = 1});
     std::vector<std::string> ids;
+    ids.reserve(4);
     for (int i = 0; i < 4; ++i) ids.push_back(submit(test::net_request(1)));
     wait_for_waiting(1);
     manager_->cancel(ids[2]);
@@ -170,6 +171,7 @@ TEST_F(JobRestartTest, TenantsShareTheThreadsAndHaveAQuota) {
             .job.id;
     };
     std::vector<std::string> greedy;
+    greedy.reserve(4);
     for (int i = 0; i < 4; ++i) greedy.push_back(submit_as("a"));
     wait_for_waiting(2);
     try {

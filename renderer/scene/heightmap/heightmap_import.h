@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "scene/heightmap/picture_file.h"
+#include "scene/picture/picture_file.h"
 #include "voxels/voxel_cloud.h"
 
 namespace probebake {

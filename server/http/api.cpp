@@ -23,6 +23,13 @@ Json write_scene_entry(const SceneLibrary& scenes, const std::string& name) {
             json["generator"] = file->generator->name;
             json["size"] = file->generator->size;
             json["seed"] = file->generator->seed;
+        } else if (file->mesh) {
+            constexpr const char* kNames[] = {"gltf", "obj", "nff"};
+            json["type"] = kNames[static_cast<size_t>(file->mesh->format)];
+            // Of a resolution, the size is known when the mesh is.
+            if (file->mesh->resolution) json["resolution"] = *file->mesh->resolution;
+            json["voxel_size_m"] =
+                file->mesh->voxel_size_m ? Json(*file->mesh->voxel_size_m) : Json();
         } else {
             json["type"] = file->vox ? "vox" : "heightmap";
         }

@@ -1,6 +1,7 @@
 #include "scene/mesh_file.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "io/file_beneath.h"
@@ -144,7 +145,9 @@ void hash_mesh(const MeshFile& file, Sha256& sha) {
     sha.update(source.bytes);
     std::vector<std::string> names;
     if (file.format == MeshFormat::kGltf) {
-        names = check_gltf(source.bytes, source.name).references;
+        GltfDocument document = check_gltf(source.bytes, source.name);
+        names = std::move(document.buffers);
+        std::move(document.images.begin(), document.images.end(), std::back_inserter(names));
     } else if (file.format == MeshFormat::kObj) {
         names = obj_references(source.text(), obj_params(file), source.read, source.name);
     }

@@ -64,15 +64,26 @@ TEST(Gltf, EmbeddedAndBinaryAreTheSame) {
 TEST(Gltf, BufferInAFileOfItsOwn) {
     const GltfWriter writer = gltf_triangle();
     Json document = writer.document;
-    document["buffers"] = {{{"byteLength", writer.buffer.size()}, {"uri", "parts/a%20b.bin"}}};
+    document["buffers"] = {{{"byteLength", writer.buffer.size()}, {"uri", "parts/a%20b+c.bin"}}};
     std::string asked;
     const auto read = [&](const std::string& name) {
         asked = name;
         return std::optional(bytes_of(writer.buffer));
     };
     EXPECT_EQ(import_text(document.dump(), read).triangles.size(), 1u);
-    EXPECT_EQ(asked, "parts/a b.bin");
-    EXPECT_NE(problem_of(document.dump()).find("\"parts/a b.bin\" is missing"), std::string::npos);
+    EXPECT_EQ(asked, "parts/a b+c.bin");
+    EXPECT_NE(problem_of(document.dump()).find("\"parts/a b+c.bin\" is missing"),
+              std::string::npos);
+}
+
+TEST(Gltf, DataUrisOfAnotherKind) {
+    const GltfWriter writer = gltf_triangle();
+    Json document = writer.document;
+    document["buffers"] = {{{"byteLength", 36}, {"uri", "data:text/html,x"}}};
+    EXPECT_EQ(problem_of(document.dump()),
+              "m.gltf: a buffer is a data: URI of a kind that is not understood");
+    document["buffers"][0]["uri"] = "data:application/octet-stream;base64,AAAA";
+    EXPECT_NE(problem_of(document.dump()).find("Failed to decode"), std::string::npos);
 }
 
 TEST(Gltf, NodesTransformTheirChildren) {

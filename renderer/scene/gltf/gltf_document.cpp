@@ -128,21 +128,16 @@ class Check {
         extensions();
         buffers();
     }
-    /// Names of files, of buffers and images.
-    std::vector<std::string> references() const {
+    /// Names of files in a section's URIs.
+    std::vector<std::string> names_in(const std::string& section) const {
         std::vector<std::string> names;
-        for (const char* section : {"buffers", "images"}) {
-            if (!document_.contains(section)) continue;
-            const Json& all = document_[section];
-            for (size_t i = 0; i < all.size(); ++i) {
-                if (!all[i].contains("uri")) continue;
-                const std::string pointer = "/" + std::string(section) + "/" + std::to_string(i);
-                const auto name =
-                    name_of_uri(all[i]["uri"].get<std::string>(), pointer + "/uri", file_);
-                if (name && std::find(names.begin(), names.end(), *name) == names.end()) {
-                    names.push_back(*name);
-                }
-            }
+        if (!document_.contains(section)) return names;
+        const Json& all = document_[section];
+        for (size_t i = 0; i < all.size(); ++i) {
+            if (!all[i].contains("uri")) continue;
+            const std::string pointer = "/" + section + "/" + std::to_string(i) + "/uri";
+            auto name = name_of_uri(all[i]["uri"].get<std::string>(), pointer, file_);
+            if (name) names.push_back(*std::move(name));
         }
         return names;
     }
@@ -320,7 +315,8 @@ GltfDocument check_gltf(std::span<const std::byte> bytes, const std::string& fil
     }
     Check check(document, file);
     check.run();
-    found.references = check.references();
+    found.buffers = check.names_in("buffers");
+    found.images = check.names_in("images");
     return found;
 }
 

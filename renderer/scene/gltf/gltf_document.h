@@ -18,8 +18,9 @@
 namespace probebake {
 
 struct GltfDocument {
-    /// The names in the file, of what it does not hold itself: percent signs decoded, each once.
-    std::vector<std::string> references;
+    /// Names of the files that hold its buffers and pictures, in its order, percent signs decoded.
+    std::vector<std::string> buffers;
+    std::vector<std::string> images;
     bool is_binary = false;
 };
 

@@ -13,20 +13,27 @@
 namespace probebake {
 namespace {
 
-/// What tinygltf's callbacks are given.
-struct Files {
+/// What tinygltf's callbacks are given. It asks for buffers in the document's order, with names
+/// that it has decoded in a way of its own ('+' becomes a space).
+struct Buffers {
+    const std::vector<std::string>& names;
     const ReadInner& read;
     const std::string& file;
+    size_t next = 0;
 };
 
-/// Buffers: names are checked, nothing is expanded, nothing is written.
-tinygltf::FsCallbacks callbacks(Files& files) {
+/// Names are the document's, checked; nothing is expanded, nothing is written.
+tinygltf::FsCallbacks callbacks(Buffers& buffers) {
     tinygltf::FsCallbacks calls{};
     calls.FileExists = [](const std::string&, void*) { return true; };
     calls.ExpandFilePath = [](const std::string& name, void*) { return name; };
-    calls.ReadWholeFile = [](std::vector<unsigned char>* out, std::string*, const std::string& name,
-                             void* user) {
-        const auto& [read, file] = *static_cast<Files*>(user);
+    calls.ReadWholeFile = [](std::vector<unsigned char>* out, std::string*,
+                             const std::string& asked, void* user) {
+        auto& [names, read, file, next] = *static_cast<Buffers*>(user);
+        if (asked.starts_with("data:") || next >= names.size()) {
+            throw IoError(file, "a buffer is a data: URI of a kind that is not understood");
+        }
+        const std::string& name = names[next++];
         const auto bytes = read_inner(read, name, file);
         if (!bytes) throw IoError(file, "the buffer \"" + name + "\" is missing");
         const auto* first = reinterpret_cast<const unsigned char*>(bytes->data());
@@ -35,7 +42,7 @@ tinygltf::FsCallbacks callbacks(Files& files) {
     };
     calls.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
                               void*) { return false; };
-    calls.user_data = &files;
+    calls.user_data = &buffers;
     return calls;
 }
 
@@ -51,8 +58,8 @@ tinygltf::Model load(std::span<const std::byte> bytes, const ReadInner& read,
                      const std::string& file, TriangleMesh& mesh) {
     const GltfDocument document = check_gltf(bytes, file);
     tinygltf::TinyGLTF loader;
-    Files files{read, file};
-    loader.SetFsCallbacks(callbacks(files));
+    Buffers buffers{document.buffers, read, file};
+    loader.SetFsCallbacks(callbacks(buffers));
     loader.SetImageLoader(keep_image, nullptr);
     tinygltf::Model model;
     std::string error;

@@ -34,8 +34,8 @@ void append(Materials& materials, const std::string& name, const std::vector<std
 }
 
 /// A line of mtllib names one file with spaces in its name, or several.
-Materials read_materials(const ObjText& obj, const ObjParams& params, const ReadInner& read,
-                         const std::string& file) {
+Materials read_materials(const std::vector<std::string>& lines, const ObjParams& params,
+                         const ReadInner& read, const std::string& file) {
     Materials found;
     const auto take = [&](std::string name, const std::string& named_by) {
         std::replace(name.begin(), name.end(), '\\', '/');
@@ -49,7 +49,7 @@ Materials read_materials(const ObjText& obj, const ObjParams& params, const Read
         take(*params.materials, file);
         return found;
     }
-    for (const std::string& line : obj.material_files) {
+    for (const std::string& line : lines) {
         std::istringstream words(line);
         const bool several = line.find_first_of(" \t") != std::string::npos;
         if (take(line, file) || !several) continue;
@@ -253,7 +253,7 @@ TriangleMesh import_obj(std::string_view text, const ObjParams& params, const Re
     TriangleMesh mesh;
     if (obj.has_colors) warn(mesh, "colours of vertices are left out");
     if (obj.has_others) warn(mesh, "lines, points, curves and surfaces are left out");
-    const Materials materials = read_materials(obj, params, read, file);
+    const Materials materials = read_materials(obj.material_files, params, read, file);
     for (const std::string& name : materials.missing) {
         warn(mesh, "the material file \"" + name + "\" is missing: its materials are grey");
     }
@@ -274,7 +274,7 @@ TriangleMesh import_obj(std::string_view text, const ObjParams& params, const Re
 
 std::vector<std::string> obj_references(std::string_view text, const ObjParams& params,
                                         const ReadInner& read, const std::string& file) {
-    Materials materials = read_materials(check_obj(text, params.limits, file), params, read, file);
+    Materials materials = read_materials(material_files_of(text, file), params, read, file);
     std::vector<std::string> names = std::move(materials.files);
     names.insert(names.end(), materials.mtl.textures.begin(), materials.mtl.textures.end());
     return names;

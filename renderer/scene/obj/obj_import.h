@@ -28,7 +28,8 @@ struct ObjParams {
 TriangleMesh import_obj(std::string_view text, const ObjParams& params, const ReadInner& read,
                         const std::string& file);
 
-/// Names of the MTL files and textures that the import looks for. Throws as import_obj.
+/// Names of the MTL files and textures that the import looks for; of the text itself, no more than
+/// that is checked. Throws as import_obj.
 std::vector<std::string> obj_references(std::string_view text, const ObjParams& params,
                                         const ReadInner& read, const std::string& file);
 

@@ -273,6 +273,15 @@ ObjText check_obj(std::string_view text, const MeshLimits& limits, const std::st
     return ObjCheck(text, limits, file).run();
 }
 
+std::vector<std::string> material_files_of(std::string_view text, const std::string& file) {
+    Lines lines(text, file);
+    std::vector<std::string> names;
+    while (lines.next()) {
+        if (lines.word() == "mtllib" && !lines.rest().empty()) names.emplace_back(lines.rest());
+    }
+    return names;
+}
+
 MtlText check_mtl(std::string_view text, const std::string& file) {
     Lines lines(text, file);
     MtlText found;

@@ -30,6 +30,9 @@ struct ObjText {
 /// Every index is in range, no face has fewer than three corners. Throws IoError.
 ObjText check_obj(std::string_view text, const MeshLimits& limits, const std::string& file);
 
+/// The lines of mtllib, and nothing else looked at.
+std::vector<std::string> material_files_of(std::string_view text, const std::string& file);
+
 struct MtlText {
     std::string text;
     /// Of materials that say so themselves.

@@ -37,7 +37,9 @@ Source open(const MeshFile& file) {
             files_beneath(path.has_parent_path() ? path.parent_path() : ".")};
 }
 
-ObjParams obj_params(const MeshFile& file) { return {.materials = file.materials, .limits = {}}; }
+ObjParams obj_params(const MeshFile& file) {
+    return {.materials = file.materials, .emission_scale = file.emission_scale, .limits = {}};
+}
 
 double longest_side(const Box& box) {
     const Vec3 size = box.high - box.low;
@@ -49,12 +51,7 @@ TriangleMesh load_nff(const Source& source, const MeshFile& file) {
     const double voxel = file.voxel_size_m
                              ? *file.voxel_size_m / file.unit_m
                              : longest_side(safe_boxes(scene.shapes).root) / *file.resolution;
-    TriangleMesh mesh =
-        nff_mesh(scene, {.tolerance = kFacetTolerance * voxel, .limits = {}}, source.name);
-    for (MeshMaterial& material : mesh.materials) {
-        material.emission *= static_cast<float>(file.emission_scale);
-    }
-    return mesh;
+    return nff_mesh(scene, {.tolerance = kFacetTolerance * voxel, .limits = {}}, source.name);
 }
 
 TriangleMesh load_as_it_stands(const Source& source, const MeshFile& file) {
@@ -63,11 +60,7 @@ TriangleMesh load_as_it_stands(const Source& source, const MeshFile& file) {
                            source.read, source.name);
     }
     if (file.format == MeshFormat::kNff) return load_nff(source, file);
-    TriangleMesh mesh = import_obj(source.text(), obj_params(file), source.read, source.name);
-    for (MeshMaterial& material : mesh.materials) {
-        material.emission *= static_cast<float>(file.emission_scale);
-    }
-    return mesh;
+    return import_obj(source.text(), obj_params(file), source.read, source.name);
 }
 
 Box bounds_of(const TriangleMesh& mesh) {
@@ -99,7 +92,9 @@ MeshFile read_mesh_file(ObjectReader& scene, MeshFormat format,
         file.voxel_size_m = scene.number("voxel_size_m", {1e-6, 1e3}, std::nullopt);
     }
     file.unit_m = scene.number("unit_m", {1e-6, 1e6}, file.unit_m);
-    file.emission_scale = scene.number("emission_scale", {0.0, 1e9}, file.emission_scale);
+    if (format != MeshFormat::kNff) {  // which emits nothing
+        file.emission_scale = scene.number("emission_scale", {0.0, 1e9}, file.emission_scale);
+    }
     if (format != MeshFormat::kGltf) {
         constexpr std::string_view kAxes[] = {"y", "z"};
         file.z_up = scene.choice("up", kAxes, 0) == 1;

@@ -25,7 +25,7 @@ struct MeshFile {
     std::optional<std::string> materials;  // of OBJ: the MTL file to take, in the same folder
     bool z_up = false;                     // of OBJ and NFF
     double unit_m = 1.0;
-    double emission_scale = 1.0;  // W·m⁻²·sr⁻¹ per unit of emission in the file
+    double emission_scale = 1.0;  // of glTF and OBJ: W·m⁻²·sr⁻¹ per unit of emission
 };
 
 /// The fields of a scene of that format. Problems go to the reader's issues.

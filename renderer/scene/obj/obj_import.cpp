@@ -150,8 +150,15 @@ Parsed parse(ObjText& obj, const std::string& mtl, const std::string& file) {
     return parsed;
 }
 
-MeshMaterial material_of(const tinyobj::material_t& from, const MtlText& mtl,
-                         MeshTextures& textures, TriangleMesh& mesh, const std::string& file) {
+/// What is the same for all materials of a file.
+struct MaterialSource {
+    const MtlText& mtl;
+    double emission_scale;
+    const std::string& file;
+};
+
+MeshMaterial material_of(const tinyobj::material_t& from, const MaterialSource& source,
+                         MeshTextures& textures, TriangleMesh& mesh) {
     const auto wrap = [](const tinyobj::texture_option_t& option) {
         return option.clamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
     };
@@ -161,16 +168,16 @@ MeshMaterial material_of(const tinyobj::material_t& from, const MtlText& mtl,
     MeshMaterial to{.name = from.name};
     const std::string who = "the material \"" + from.name + "\"";
     to.base_color_texture = load(from.diffuse_texname, from.diffuse_texopt);
-    const bool white = to.base_color_texture && !mtl.with_kd.contains(from.name);
+    const bool white = to.base_color_texture && !source.mtl.with_kd.contains(from.name);
     to.base_color =
         white ? Rgb(1.0f)
               : checked_reflectance(Vec3(from.diffuse[0], from.diffuse[1], from.diffuse[2]),
-                                    who + ": Kd", file, mesh);
+                                    who + ": Kd", source.file, mesh);
     to.emission_texture = load(from.emissive_texname, from.emissive_texopt);
     Vec3 emission(from.emission[0], from.emission[1], from.emission[2]);
     // Ke is 0 where the file does not say otherwise.
     if (to.emission_texture && emission == Vec3(0.0)) emission = Vec3(1.0);
-    to.emission = checked_emission(emission, who + ": Ke", file);
+    to.emission = checked_emission(emission * source.emission_scale, who + ": Ke", source.file);
     to.alpha = static_cast<float>(from.dissolve);
     if (from.dissolve < 1.0 || !from.alpha_texname.empty()) to.alpha_cutoff = 0.5f;
     if (!from.alpha_texname.empty() && from.alpha_texname != from.diffuse_texname) {
@@ -266,7 +273,8 @@ TriangleMesh import_obj(std::string_view text, const ObjParams& params, const Re
     }
     MeshTextures textures(mesh, read, params.limits, file);
     for (const tinyobj::material_t& material : parsed.materials) {
-        mesh.materials.push_back(material_of(material, materials.mtl, textures, mesh, file));
+        mesh.materials.push_back(
+            material_of(material, {materials.mtl, params.emission_scale, file}, textures, mesh));
     }
     add_faces(parsed, params, mesh, file);
     return mesh;

@@ -20,6 +20,7 @@ inline constexpr Rgb kNoMaterialAlbedo{0.5f};
 struct ObjParams {
     /// The MTL file to take instead of those that the file names.
     std::optional<std::string> materials;
+    double emission_scale = 1.0;  // W·m⁻²·sr⁻¹ for 1 of Ke
     MeshLimits limits;
 };
 

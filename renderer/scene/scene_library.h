@@ -8,9 +8,8 @@
 //   heightmap     file: a 16-bit grey PNG in the same folder, or an EXR of one channel;
 //                 color_file: a PNG or JPEG there, of the same size; height_scale_m per count
 //                 (required; of an EXR: default 1) and voxel_size_m (required), both > 0
-//   gltf,obj,nff  file: a mesh in the same folder (mesh_file.h); voxel_size_m or resolution;
-//   unit_m;
-//                 emission_scale (gltf, obj); up (obj, nff); materials (obj)
+//   gltf,obj,nff  file: a mesh in the same folder; voxel_size_m or resolution; unit_m;
+//                 emission_scale (gltf, obj); up (obj, nff); materials (obj); see mesh_file.h
 //   all           media: what fills the air (media_file.h), default none
 //                 origin_m: where the world's own origin lies, default [0, 0, 0]
 //                 author, licence, description: texts, optional

@@ -67,6 +67,8 @@ TEST(Obj, IndicesOfAllForms) {
         EXPECT_EQ(mesh.materials.size(), 1u);
         EXPECT_EQ(mesh.materials[0].base_color, kNoMaterialAlbedo);
     }
+    // A byte order mark hides no vertex.
+    EXPECT_EQ(import_text("\xEF\xBB\xBF" + vertices + "f 1 2 3").positions[1], Vec3(1, 0, 0));
     // A vertex may follow the face that uses it.
     EXPECT_EQ(import_text("f 1 2 3\n" + vertices).triangles.size(), 1u);
 }

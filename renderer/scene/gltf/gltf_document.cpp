@@ -12,7 +12,7 @@
 namespace probebake {
 namespace {
 
-constexpr JsonLimits kJsonLimits{.max_depth = 64, .max_values = 10'000'000};
+constexpr JsonLimits kJsonLimits{.max_depth = 64, .max_values = 4'000'000};
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 constexpr uint64_t kMaxBufferBytes = uint64_t{1} << 31;  // of all buffers
 constexpr std::string_view kLights = "/extensions/KHR_lights_punctual/lights";
@@ -327,8 +327,10 @@ std::optional<std::string> name_of_uri(const std::string& uri, const std::string
     for (size_t i = 0; i < uri.size(); ++i) {
         const auto digit = [&](size_t at) {
             constexpr std::string_view kDigits = "0123456789abcdefABCDEF";
-            const size_t found = at < uri.size() ? kDigits.find(uri[at]) : kDigits.npos;
-            return found == kDigits.npos ? -1 : static_cast<int>(found < 16 ? found : found - 6);
+            const size_t found = at < uri.size() ? kDigits.find(uri[at]) : std::string_view::npos;
+            return found == std::string_view::npos
+                       ? -1
+                       : static_cast<int>(found < 16 ? found : found - 6);
         };
         if (uri[i] == '%' && digit(i + 1) >= 0 && digit(i + 2) >= 0) {
             name.push_back(static_cast<char>(digit(i + 1) * 16 + digit(i + 2)));

@@ -14,7 +14,10 @@ constexpr std::string_view kSpace = " \t";
 /// One line after the other, without its end and space around it.
 class Lines {
   public:
-    Lines(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+    Lines(std::string_view text, const std::string& file) : text_(text), file_(file) {
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
+    }
 
     bool next() {
         if (at_ >= text_.size()) return false;
@@ -63,7 +66,8 @@ class Lines {
         constexpr size_t kMaxDigits = 64;
         constexpr size_t kMaxExponentDigits = 4;  // with its sign
         if (text.size() > kMaxDigits || text.starts_with('+') ||
-            (exponent != text.npos && text.size() - exponent > kMaxExponentDigits + 1)) {
+            (exponent != std::string_view::npos &&
+             text.size() - exponent > kMaxExponentDigits + 1)) {
             return std::nullopt;
         }
         double value = 0.0;

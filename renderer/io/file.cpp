@@ -58,6 +58,17 @@ std::vector<std::byte> read_whole(const Descriptor& file, const std::filesystem:
     return bytes;
 }
 
+/// Opened for reading, or a descriptor below 0 and errno.
+Descriptor open_beneath(const std::filesystem::path& folder, const std::filesystem::path& name) {
+    const Descriptor root(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (root.get() < 0) fail(folder, "cannot be opened");
+    open_how how{};
+    how.flags = O_RDONLY | O_CLOEXEC;
+    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
+    return Descriptor(
+        static_cast<int>(::syscall(SYS_openat2, root.get(), name.c_str(), &how, sizeof(how))));
+}
+
 }  // namespace
 
 std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t max_bytes) {
@@ -66,14 +77,15 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t max
 
 std::vector<std::byte> read_file_beneath(const std::filesystem::path& path, uint64_t max_bytes) {
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-    const Descriptor root(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
-    if (root.get() < 0) fail(folder, "cannot be opened");
-    open_how how{};
-    how.flags = O_RDONLY | O_CLOEXEC;
-    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS;
-    const long file =
-        ::syscall(SYS_openat2, root.get(), path.filename().c_str(), &how, sizeof(how));
-    return read_whole(Descriptor(static_cast<int>(file)), path, max_bytes);
+    return read_whole(open_beneath(folder, path.filename()), path, max_bytes);
+}
+
+std::optional<std::vector<std::byte>> find_file_beneath(const std::filesystem::path& folder,
+                                                        const std::string& name,
+                                                        uint64_t max_bytes) {
+    const Descriptor file = open_beneath(folder, name);
+    if (file.get() < 0 && (errno == ENOENT || errno == ENOTDIR)) return std::nullopt;
+    return read_whole(file, name, max_bytes);
 }
 
 void write_file_atomically(const std::filesystem::path& path,

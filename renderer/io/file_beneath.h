@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "io/io_error.h"
@@ -14,5 +16,11 @@ namespace probebake {
 /// the folder (openat2).
 std::vector<std::byte> read_file_beneath(const std::filesystem::path& path,
                                          uint64_t max_bytes = uint64_t{1} << 36);
+
+/// A file in the folder or in folders beneath it ("textures/wood.png"); no value where there is no
+/// such file. Throws as above.
+std::optional<std::vector<std::byte>> find_file_beneath(const std::filesystem::path& folder,
+                                                        const std::string& name,
+                                                        uint64_t max_bytes = uint64_t{1} << 36);
 
 }  // namespace probebake

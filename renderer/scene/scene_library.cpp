@@ -36,51 +36,64 @@ GeneratorParams read_generator(ObjectReader& reader) {
     return params;
 }
 
-std::string read_file_name(ObjectReader& reader, std::string_view key) {
-    std::string name = reader.string(key, 64, std::nullopt);
-    if (!is_file_name(name)) {
-        reader.issues().unacceptable(reader.pointer_to(key),
-                                     "expected the name of a file in the scene's own folder");
-    }
-    return name;
-}
-
 HeightmapFiles read_heightmap(ObjectReader& reader, const std::filesystem::path& folder) {
     HeightmapFiles files;
     files.heights = folder / read_file_name(reader, "file");
     if (reader.has("color_file")) files.colors = folder / read_file_name(reader, "color_file");
-    files.height_scale_m = reader.number("height_scale_m", {1e-6, 1e3}, std::nullopt);
+    std::optional<double> scale;
+    if (files.is_exr()) scale = 1.0;
+    files.height_scale_m = reader.number("height_scale_m", {1e-6, 1e3}, scale);
     return files;
 }
 
-VoxelCloud import_heightmap_files(const HeightmapFiles& files, double voxel_size_m) {
+Terrain import_heightmap_files(const HeightmapFiles& files, double voxel_size_m) {
     const std::string name = files.heights.filename().string();
-    const GreyPicture heights = read_grey_png(read_file_beneath(files.heights), name);
+    const std::vector<std::byte> heights = read_file_beneath(files.heights);
     std::optional<ColorPicture> colors;
     if (files.colors) {
         colors =
             read_color_picture(read_file_beneath(*files.colors), files.colors->filename().string());
     }
-    return import_heightmap(heights, colors,
-                            {.height_scale_m = files.height_scale_m, .voxel_size_m = voxel_size_m},
-                            name);
+    const HeightmapParams params{.height_scale_m = files.height_scale_m,
+                                 .voxel_size_m = voxel_size_m};
+    if (files.is_exr()) {
+        return import_heightmap(read_height_exr(heights, name), colors, params, name);
+    }
+    return {import_heightmap(read_grey_png(heights, name), colors, params, name), IVec3(0)};
 }
 
 /// The voxels of a scene file, as a tree, and what else the cache must give back.
 struct World {
     VoxelTree tree;
-    IVec3 lowest{0};  // where its corner lies in the file's own space, voxels
+    IVec3 lowest{0};                     // where its corner lies in the file's own space, voxels
+    std::optional<double> voxel_size_m;  // of meshes: the scene file need not say it
     std::vector<std::string> warnings;
 };
 
+/// The voxels of a mesh; its corner is a whole number of voxels from the file's own origin.
+World make_mesh_world(const MeshFile& file) {
+    World world;
+    TriangleMesh mesh = load_mesh(file);
+    world.voxel_size_m = mesh_voxel_size_m(file, mesh);
+    world.warnings = std::move(mesh.warnings);
+    throw IoError(file.path.filename().string(), "this build does not make voxels of meshes");
+}
+
 World make_world(const SceneFile& file, SceneLoadStats& stats) {
     const auto start = Clock::now();
+    if (file.mesh) {
+        World made = make_mesh_world(*file.mesh);
+        stats.import_seconds = seconds_since(start);
+        return made;
+    }
     World world;
     VoxelCloud cloud;
     if (file.generator) {
         cloud = generate(*file.generator);
     } else if (file.heightmap) {
-        cloud = import_heightmap_files(*file.heightmap, file.voxel_size_m);
+        Terrain terrain = import_heightmap_files(*file.heightmap, file.voxel_size_m);
+        cloud = std::move(terrain.cloud);
+        world.lowest = terrain.lowest;
     } else {
         VoxImport import = import_vox(read_file_beneath(*file.vox), file.vox->filename().string());
         cloud = std::move(import.cloud);
@@ -93,8 +106,9 @@ World make_world(const SceneFile& file, SceneLoadStats& stats) {
 }
 
 void save_world(const std::filesystem::path& path, const World& world) {
-    const Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
-                        {"warnings", world.warnings}};
+    Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
+                  {"warnings", world.warnings}};
+    if (world.voxel_size_m) notes["voxel_size_m"] = *world.voxel_size_m;
     std::filesystem::create_directories(path.parent_path());
     save_tree(path, world.tree, dump_json(notes));
 }
@@ -107,6 +121,9 @@ std::optional<World> load_world(const std::filesystem::path& path) {
         World world{.tree = std::move(file.tree)};
         for (int axis = 0; axis < 3; ++axis) {
             world.lowest[axis] = notes.at("lowest").at(static_cast<size_t>(axis)).get<int>();
+        }
+        if (notes.contains("voxel_size_m")) {
+            world.voxel_size_m = notes["voxel_size_m"].get<double>();
         }
         world.warnings = notes.at("warnings").get<std::vector<std::string>>();
         return world;
@@ -130,6 +147,7 @@ Scene scene_of(const SceneFile& file) {
 void put_world(World world, const SceneFile& file, Media media, Scene& scene) {
     scene.tree = std::move(world.tree);
     scene.warnings = std::move(world.warnings);
+    if (world.voxel_size_m) scene.voxel_size_m = *world.voxel_size_m;
     scene.corner_m = file.origin_m + Vec3(world.lowest) * scene.voxel_size_m;
     scene.media = std::move(media);
 }
@@ -150,6 +168,15 @@ bool is_file_name(const std::string& text) {
            });
 }
 
+std::string read_file_name(ObjectReader& reader, std::string_view key) {
+    std::string name = reader.string(key, 64, std::nullopt);
+    if (!is_file_name(name)) {
+        reader.issues().unacceptable(reader.pointer_to(key),
+                                     "expected the name of a file in the scene's own folder");
+    }
+    return name;
+}
+
 SceneFile read_scene_file(const std::filesystem::path& path) {
     const std::vector<std::byte> bytes = read_file_beneath(path, kMaxSceneFileBytes);
     SceneFile file;
@@ -159,7 +186,7 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
     const Json document = parse_json(file.text);
     JsonIssues issues;
     ObjectReader reader(document, "", issues);
-    constexpr std::string_view kTypes[] = {"generator", "vox", "heightmap"};
+    constexpr std::string_view kTypes[] = {"generator", "vox", "heightmap", "gltf", "obj", "nff"};
     const size_t type = reader.choice("type", kTypes, std::nullopt);
     file.description = reader.string("description", 1000, "");
     file.author = reader.string("author", 200, "");
@@ -173,6 +200,9 @@ SceneFile read_scene_file(const std::filesystem::path& path) {
         } catch (const std::invalid_argument& error) {
             issues.unacceptable(reader.pointer_to("generator"), error.what());
         }
+    } else if (type >= 3) {
+        constexpr MeshFormat kFormats[] = {MeshFormat::kGltf, MeshFormat::kObj, MeshFormat::kNff};
+        file.mesh = read_mesh_file(reader, kFormats[type - 3], file.folder);
     } else {
         file.voxel_size_m = reader.number("voxel_size_m", {1e-6, 1e3}, std::nullopt);
         if (type == 1) {
@@ -196,6 +226,7 @@ std::string content_sha256(const SceneFile& file) {
         sha.update(read_file_beneath(file.heightmap->heights));
         if (file.heightmap->colors) sha.update(read_file_beneath(*file.heightmap->colors));
     }
+    if (file.mesh) hash_mesh(*file.mesh, sha);
     for (const MediumFile& medium : file.media) {
         if (medium.vdb) sha.update(read_file_beneath(medium.vdb->path));
     }

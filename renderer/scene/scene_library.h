@@ -2,11 +2,14 @@
 //
 // A scene file NAME.json holds one object:
 //
-//   type          "generator", "vox" or "heightmap"
+//   type          "generator", "vox", "heightmap", "gltf", "obj" or "nff"
 //   generator     a name of generators(); size (voxels per side), seed
 //   vox           file: a .vox file in the same folder; voxel_size_m (required, > 0)
-//   heightmap     file: a 16-bit grey PNG in the same folder; color_file: a PNG or JPEG there, of
-//                 the same size; height_scale_m per count and voxel_size_m (both required, > 0)
+//   heightmap     file: a 16-bit grey PNG in the same folder, or an EXR of one channel;
+//                 color_file: a PNG or JPEG there, of the same size; height_scale_m per count
+//                 (required; of an EXR: default 1) and voxel_size_m (required), both > 0
+//   gltf,obj,nff  file: a mesh in the same folder; voxel_size_m or resolution; unit_m;
+//                 emission_scale (gltf, obj); up (obj, nff); materials (obj); see mesh_file.h
 //   all           media: what fills the air (media_file.h), default none
 //                 origin_m: where the world's own origin lies, default [0, 0, 0]
 //                 author, licence, description: texts, optional
@@ -23,6 +26,7 @@
 
 #include "scene/generators/generators.h"
 #include "scene/media_file.h"
+#include "scene/mesh_file.h"
 #include "scene/scene.h"
 
 namespace probebake {
@@ -31,7 +35,9 @@ namespace probebake {
 struct HeightmapFiles {
     std::filesystem::path heights;
     std::optional<std::filesystem::path> colors;
-    double height_scale_m = 1.0;  // per count
+    double height_scale_m = 1.0;  // per count or unit
+
+    bool is_exr() const { return heights.extension() == ".exr"; }
 };
 
 /// A scene file, read and checked but not loaded.
@@ -41,11 +47,12 @@ struct SceneFile {
     std::string author;
     std::string licence;
     Vec3 origin_m{0.0};
-    double voxel_size_m = 1.0;
+    double voxel_size_m = 1.0;  // not of meshes: mesh_voxel_size_m says it
     /// Exactly one of these.
     std::optional<GeneratorParams> generator;
     std::optional<std::filesystem::path> vox;
     std::optional<HeightmapFiles> heightmap;
+    std::optional<MeshFile> mesh;
     std::vector<MediumFile> media;
     /// Where the files lie that it names, and pictures of skies.
     std::filesystem::path folder;
@@ -55,6 +62,8 @@ struct SceneFile {
 
 /// A plain file name: no folder, nothing hidden, at most 64 characters.
 bool is_file_name(const std::string& text);
+/// Reads a required field that holds one; anything else is an issue.
+std::string read_file_name(ObjectReader& reader, std::string_view key);
 
 /// Reads a scene file; file names in it are taken from its folder. Throws IoError or SpecError.
 SceneFile read_scene_file(const std::filesystem::path& path);

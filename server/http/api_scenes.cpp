@@ -13,6 +13,7 @@ constexpr int kMaxUploads = 2;
 
 std::string_view type_of(const SceneFile& file) {
     if (file.generator) return "generator";
+    if (file.mesh) return name_of(file.mesh->format);
     return file.vox ? "vox" : "heightmap";
 }
 
@@ -28,6 +29,11 @@ Json write_scene(const SceneFile& file) {
         json["generator"] = file.generator->name;
         json["size"] = file.generator->size;
         json["seed"] = file.generator->seed;
+    }
+    if (file.mesh) {
+        // Of a resolution, the size is known when the mesh is.
+        if (file.mesh->resolution) json["resolution"] = *file.mesh->resolution;
+        json["voxel_size_m"] = file.mesh->voxel_size_m ? Json(*file.mesh->voxel_size_m) : Json();
     }
     return json;
 }

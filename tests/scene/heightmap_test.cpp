@@ -1,9 +1,12 @@
+#include <ImfChannelList.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
+#include "image/exr_file.h"
 #include "io/file.h"
 #include "io/io_error.h"
 #include "io/spec_error.h"
@@ -164,6 +167,48 @@ TEST_F(HeightmapSceneTest, IsLoadedAndHashed) {
     EXPECT_THROW(scene(fields + R"(, "color_file": "/c.png")"), SpecError);
     EXPECT_THROW(scene(fields + R"(, "size": 4)"), SpecError);
     EXPECT_THROW(load_scene(scene(fields + R"(, "color_file": "none.png")")), IoError);
+}
+
+/// One picture of floats, every channel of the same values.
+std::string exr_text(int width_px, std::vector<float> values,
+                     const std::vector<const char*>& channels) {
+    const auto height_px = static_cast<int>(values.size()) / width_px;
+    Imf::Header header(width_px, height_px);
+    std::vector<ExrChannel<const std::byte>> all;
+    for (const char* name : channels) {
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        all.push_back(
+            {name, Imf::FLOAT, reinterpret_cast<const std::byte*>(values.data()), sizeof(float)});
+    }
+    const std::vector<std::byte> bytes = encode_exr(header, all);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+TEST_F(HeightmapSceneTest, HeightsInMetres) {
+    // Half a metre per voxel, from 2 m below 0 to 1.6 m above it.
+    write_file_atomically(folder_ / "h.exr", exr_text(2, {-2.0f, 1.6f, 0.0f, 0.3f}, {"Y"}));
+    const std::string fields = R"("file": "h.exr", "voxel_size_m": 0.5)";
+    const Scene loaded = load_scene(scene(fields));
+    const auto top_m = [&](double x, double z) {
+        const Ray ray{loaded.to_voxels({x, 100.0, z}), Vec3(0, -1, 0)};
+        return 100.0 - trace(loaded.tree, ray).t * loaded.voxel_size_m;
+    };
+    EXPECT_NEAR(top_m(0.25, 0.25), -2.0, 1e-9);
+    EXPECT_NEAR(top_m(0.75, 0.25), 1.5, 1e-9);
+    EXPECT_NEAR(top_m(0.25, 0.75), 0.0, 1e-9);
+    EXPECT_NEAR(top_m(0.75, 0.75), 0.5, 1e-9);
+    EXPECT_EQ(loaded.corner_m, Vec3(0.0, -2.5, 0.0));
+    const Scene doubled = load_scene(scene(fields + R"(, "height_scale_m": 2)"));
+    EXPECT_EQ(doubled.corner_m, Vec3(0.0, -4.5, 0.0));
+    const auto refused = [&](const std::string& text) {
+        write_file_atomically(folder_ / "h.exr", text);
+        EXPECT_THROW(load_scene(scene(fields)), IoError);
+    };
+    refused(exr_text(2, {0.0f, 1.0f}, {"R", "G"}));
+    refused(exr_text(2, {0.0f, std::numeric_limits<float>::quiet_NaN()}, {"Y"}));
+    refused(exr_text(2, {0.0f, 1e30f}, {"Y"}));
+    refused(exr_text(2, {-1e30f, -1e30f}, {"Y"}));
+    refused(test::grey_png(2, {4, 8, 4, 8}));
 }
 
 TEST(HeightmapData, TheLidarTerrain) {

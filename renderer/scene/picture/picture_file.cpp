@@ -1,9 +1,10 @@
-#include "scene/heightmap/picture_file.h"
+#include "scene/picture/picture_file.h"
 
 #include <stb/stb_image.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <string_view>
@@ -130,17 +131,18 @@ class Decoder {
         return {decoded.get(), decoded.get() + pixels()};
     }
 
-    std::vector<std::array<uint8_t, 3>> rgb() const {
+    /// As many channels of 8 bits as Texel has.
+    template <class Texel>
+    std::vector<Texel> texels() const {
+        constexpr size_t kChannels = sizeof(Texel);
         int w = 0;
         int h = 0;
         int channels = 0;
         const std::unique_ptr<stbi_uc, FreeStb> decoded(
-            stbi_load_from_memory(data_, size_, &w, &h, &channels, 3));
+            stbi_load_from_memory(data_, size_, &w, &h, &channels, static_cast<int>(kChannels)));
         if (!decoded) fail();
-        std::vector<std::array<uint8_t, 3>> values(pixels());
-        for (size_t i = 0; i < values.size(); ++i) {
-            values[i] = {decoded.get()[3 * i], decoded.get()[3 * i + 1], decoded.get()[3 * i + 2]};
-        }
+        std::vector<Texel> values(pixels());
+        std::memcpy(values.data(), decoded.get(), kChannels * values.size());
         return values;
     }
 
@@ -175,7 +177,22 @@ ColorPicture read_color_picture(std::span<const std::byte> bytes, const std::str
     const Decoder decoder(bytes, file_name);
     const Header& header = decoder.header();
     if (header.deep) throw IoError(file_name, "has 16 bits per channel, expected 8");
-    return {header.width_px, header.height_px, decoder.rgb()};
+    return {header.width_px, header.height_px, decoder.texels<std::array<uint8_t, 3>>()};
+}
+
+bool is_png_or_jpeg(std::span<const std::byte> bytes) {
+    return starts_with(bytes, kPngSignature) || starts_with(bytes, kJpegStart);
+}
+
+RgbaPicture read_rgba_picture(std::span<const std::byte> bytes, const std::string& file_name,
+                              uint64_t max_pixels) {
+    const Decoder decoder(bytes, file_name);
+    if (decoder.pixels() > max_pixels) {
+        throw IoError(file_name, "has " + std::to_string(decoder.pixels()) +
+                                     " pixels, expected at most " + std::to_string(max_pixels));
+    }
+    const Header& header = decoder.header();
+    return {header.width_px, header.height_px, decoder.texels<std::array<uint8_t, 4>>()};
 }
 
 }  // namespace probebake

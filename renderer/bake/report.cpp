@@ -268,24 +268,26 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
 Json write_scene(const Scene& scene) {
     const VoxelTree& tree = scene.tree;
     const SceneLoadStats& load = scene.load;
-    return {{"name", scene.name},
-            {"sha256", scene.sha256},
-            {"author", scene.author},
-            {"licence", scene.licence},
-            {"voxel_size_m", scene.voxel_size_m},
-            {"corner_m", {scene.corner_m.x, scene.corner_m.y, scene.corner_m.z}},
-            {"depth", tree.depth()},
-            {"voxels", tree.voxel_count()},
-            {"octree_nodes", tree.octree_node_count()},
-            {"bytes", scene.memory_bytes()},
-            {"load",
-             {{"seconds", load.total_seconds},
-              {"from_cache", load.from_cache},
-              {"import_seconds", load.import_seconds},
-              {"sort_seconds", load.build.sort_seconds},
-              {"tree_seconds", load.build.tree_seconds},
-              {"color_seconds", load.build.color_seconds},
-              {"build_peak_bytes", load.build.peak_bytes}}}};
+    Json json = {{"name", scene.name},
+                 {"sha256", scene.sha256},
+                 {"author", scene.author},
+                 {"licence", scene.licence},
+                 {"voxel_size_m", scene.voxel_size_m},
+                 {"corner_m", {scene.corner_m.x, scene.corner_m.y, scene.corner_m.z}},
+                 {"depth", tree.depth()},
+                 {"voxels", tree.voxel_count()},
+                 {"octree_nodes", tree.octree_node_count()},
+                 {"bytes", scene.memory_bytes()},
+                 {"load",
+                  {{"seconds", load.total_seconds},
+                   {"from_cache", load.from_cache},
+                   {"import_seconds", load.import_seconds},
+                   {"sort_seconds", load.build.sort_seconds},
+                   {"tree_seconds", load.build.tree_seconds},
+                   {"color_seconds", load.build.color_seconds},
+                   {"build_peak_bytes", load.build.peak_bytes}}}};
+    if (scene.mesh) json["mesh"] = write_mesh_world(*scene.mesh);
+    return json;
 }
 
 std::string_view name_of(Verdict verdict) {

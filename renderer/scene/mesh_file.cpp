@@ -75,6 +75,11 @@ Box bounds_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
+std::string_view name_of(MeshFormat format) {
+    constexpr std::string_view kNames[] = {"gltf", "obj", "nff"};
+    return kNames[static_cast<size_t>(format)];
+}
+
 MeshFile read_mesh_file(ObjectReader& scene, MeshFormat format,
                         const std::filesystem::path& folder) {
     MeshFile file;
@@ -102,6 +107,7 @@ MeshFile read_mesh_file(ObjectReader& scene, MeshFormat format,
     if (format == MeshFormat::kObj && scene.has("materials")) {
         file.materials = read_file_name(scene, "materials");
     }
+    file.solid = scene.boolean("solid", false);
     return file;
 }
 

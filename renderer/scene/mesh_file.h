@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "io/json.h"
 #include "io/sha256.h"
@@ -12,9 +13,11 @@
 namespace probebake {
 
 enum class MeshFormat { kGltf, kObj, kNff };
+/// "gltf", "obj", "nff"
+std::string_view name_of(MeshFormat format);
 
-/// The longest side of a mesh in voxels.
-inline constexpr int kMaxMeshVoxels = 65536;
+/// The longest side of a mesh in voxels: of a world's 65,536 one begins half before it.
+inline constexpr int kMaxMeshVoxels = 65534;
 
 /// What a scene file says about its mesh; exactly one of the first two.
 struct MeshFile {
@@ -23,6 +26,7 @@ struct MeshFile {
     MeshFormat format = MeshFormat::kGltf;
     std::filesystem::path path;
     std::optional<std::string> materials;  // of OBJ: the MTL file to take, in the same folder
+    bool solid = false;                    // fills what is closed in
     bool z_up = false;                     // of OBJ and NFF
     double unit_m = 1.0;
     double emission_scale = 1.0;  // of glTF and OBJ: W·m⁻²·sr⁻¹ per unit of emission

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "math/vec.h"
+#include "scene/mesh_world.h"
 #include "volume/media.h"
 #include "voxels/voxel_tree.h"
 
@@ -29,7 +30,8 @@ struct Scene {
     std::string author;  // for pictures of scenes that need one named
     std::string licence;
     VoxelTree tree;
-    Media media;  // in metres; octrees of the default depth
+    std::optional<MeshWorld> mesh;  // where it was made of one
+    Media media;                    // in metres; octrees of the default depth
     double voxel_size_m = 1.0;
     Vec3 corner_m{0.0};
     std::filesystem::path folder;  // of the scene file and of pictures of skies

@@ -65,18 +65,32 @@ Terrain import_heightmap_files(const HeightmapFiles& files, double voxel_size_m)
 /// The voxels of a scene file, as a tree, and what else the cache must give back.
 struct World {
     VoxelTree tree;
-    IVec3 lowest{0};                     // where its corner lies in the file's own space, voxels
+    Vec3 lowest{0.0};                    // where its corner lies in the file's own space, voxels
     std::optional<double> voxel_size_m;  // of meshes: the scene file need not say it
+    std::optional<MeshWorld> mesh;
     std::vector<std::string> warnings;
 };
 
-/// The voxels of a mesh; its corner is a whole number of voxels from the file's own origin.
+/// The voxels of a mesh, which itself is not kept.
 World make_mesh_world(const MeshFile& file) {
     World world;
     TriangleMesh mesh = load_mesh(file);
-    world.voxel_size_m = mesh_voxel_size_m(file, mesh);
+    const double size_m = mesh_voxel_size_m(file, mesh);
+    world.voxel_size_m = size_m;
     world.warnings = std::move(mesh.warnings);
-    throw IoError(file.path.filename().string(), "this build does not make voxels of meshes");
+    try {
+        VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = size_m, .solid = file.solid});
+        world.tree = std::move(made.tree);
+        world.lowest = made.corner_m / size_m;
+        world.mesh = {made.report, mesh.materials.size(), mesh.textures.size(), mesh.suns};
+    } catch (const std::invalid_argument& error) {
+        throw IoError(file.path.filename().string(), error.what());
+    }
+    if (world.mesh->voxels.uncovered_points > 0) {
+        world.warnings.push_back(std::to_string(world.mesh->voxels.uncovered_points) +
+                                 " points of the surface lie in no voxel");
+    }
+    return world;
 }
 
 World make_world(const SceneFile& file, SceneLoadStats& stats) {
@@ -109,6 +123,7 @@ void save_world(const std::filesystem::path& path, const World& world) {
     Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
                   {"warnings", world.warnings}};
     if (world.voxel_size_m) notes["voxel_size_m"] = *world.voxel_size_m;
+    if (world.mesh) notes["mesh"] = write_mesh_world(*world.mesh);
     std::filesystem::create_directories(path.parent_path());
     save_tree(path, world.tree, dump_json(notes));
 }
@@ -120,11 +135,12 @@ std::optional<World> load_world(const std::filesystem::path& path) {
         const Json notes = parse_json(file.notes);
         World world{.tree = std::move(file.tree)};
         for (int axis = 0; axis < 3; ++axis) {
-            world.lowest[axis] = notes.at("lowest").at(static_cast<size_t>(axis)).get<int>();
+            world.lowest[axis] = notes.at("lowest").at(static_cast<size_t>(axis)).get<double>();
         }
         if (notes.contains("voxel_size_m")) {
             world.voxel_size_m = notes["voxel_size_m"].get<double>();
         }
+        if (notes.contains("mesh")) world.mesh = read_mesh_world(notes["mesh"]);
         world.warnings = notes.at("warnings").get<std::vector<std::string>>();
         return world;
     } catch (const IoError&) {
@@ -148,7 +164,8 @@ void put_world(World world, const SceneFile& file, Media media, Scene& scene) {
     scene.tree = std::move(world.tree);
     scene.warnings = std::move(world.warnings);
     if (world.voxel_size_m) scene.voxel_size_m = *world.voxel_size_m;
-    scene.corner_m = file.origin_m + Vec3(world.lowest) * scene.voxel_size_m;
+    scene.mesh = std::move(world.mesh);
+    scene.corner_m = file.origin_m + world.lowest * scene.voxel_size_m;
     scene.media = std::move(media);
 }
 

@@ -81,6 +81,19 @@ void copy(archive* tar, uint64_t size_bytes, NewFileBeneath& file, const std::st
     }
 }
 
+/// Names of files, with folders before the last.
+bool is_path(const std::string& text) {
+    constexpr size_t kMaxFolders = 4;
+    size_t folders = 0;
+    std::string rest = text;
+    if (!rest.empty() && rest.back() == '/') rest.pop_back();
+    for (size_t slash = rest.find('/'); slash != std::string::npos; slash = rest.find('/')) {
+        if (++folders > kMaxFolders || !is_file_name(rest.substr(0, slash))) return false;
+        rest.erase(0, slash + 1);
+    }
+    return is_file_name(rest);
+}
+
 }  // namespace
 
 void unpack_scene(const std::filesystem::path& archive, const std::filesystem::path& folder,
@@ -98,9 +111,12 @@ void unpack_scene(const std::filesystem::path& archive, const std::filesystem::p
         if (file.rfind("./", 0) == 0) file.erase(0, 2);
         const bool own_folder = ::archive_entry_filetype(entry) == AE_IFDIR && file.empty();
         if (own_folder) continue;
+        if (::archive_entry_filetype(entry) == AE_IFDIR && is_path(file)) continue;
         if (::archive_entry_filetype(entry) != AE_IFREG ||
-            ::archive_entry_hardlink(entry) != nullptr || !is_file_name(file)) {
-            refuse(file, "expected plain files whose names match [A-Za-z0-9][A-Za-z0-9._-]{0,63}");
+            ::archive_entry_hardlink(entry) != nullptr || !is_path(file)) {
+            refuse(file,
+                   "expected plain files, at most four folders deep, whose names match "
+                   "[A-Za-z0-9][A-Za-z0-9._-]{0,63}");
         }
         if (file != kSceneFile && std::filesystem::path(file).extension() == ".json") {
             refuse(file, "expected no further .json beside scene.json");
@@ -112,7 +128,9 @@ void unpack_scene(const std::filesystem::path& archive, const std::filesystem::p
             0, ::archive_entry_size_is_set(entry) ? ::archive_entry_size(entry) : 0));
         if (size_bytes > left_bytes) refuse(file, "is larger than the archive");
         left_bytes -= size_bytes;
-        NewFileBeneath out(folder / (file == kSceneFile ? name + ".json" : file));
+        const std::filesystem::path place = folder / (file == kSceneFile ? name + ".json" : file);
+        std::filesystem::create_directories(place.parent_path());
+        NewFileBeneath out(place);
         copy(tar.get(), size_bytes, out, file);
         out.sync();
     }

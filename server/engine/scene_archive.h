@@ -1,8 +1,8 @@
 // Scenes as clients bring them: an uncompressed tar of one folder's files.
 //
-// Expected in it: "scene.json" (scene/scene_library.h has its fields) and the files that it names,
-// all of them plain files without folders ("./NAME" is NAME). Anything else is refused: links,
-// devices, folders but the one they stand in, names that are none of a scene's, a name twice.
+// Expected in it: "scene.json" (scene/scene_library.h has its fields) and the files that it and
+// they name, plain files, also in folders ("./NAME" is NAME). Anything else is refused: links,
+// devices, ways out, names that are none of a scene's, a name twice.
 #pragma once
 
 #include <filesystem>

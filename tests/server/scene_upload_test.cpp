@@ -137,7 +137,8 @@ TEST_F(SceneUploadTest, HostileArchivesAreRefusedWithTheReason) {
     const Entry model{"model.vox", vox()};
     EXPECT_NE(refusal(std::string(2000, 'x')).find("tar"), std::string::npos);
     EXPECT_NE(refusal(tar_of({model})).find("scene.json"), std::string::npos);
-    for (const char* name : {"../model.vox", "/etc/model.vox", "a/model.vox", ".hidden"}) {
+    for (const char* name : {"../model.vox", "/etc/model.vox", "a/../../model.vox", ".hidden",
+                             "a//b", "a/b/c/d/e/model.vox"}) {
         EXPECT_NE(refusal(tar_of({scene, {name, vox()}})).find("plain files"), std::string::npos);
     }
     EXPECT_NE(refusal(tar_of({scene, {"model.vox", "/etc/passwd", AE_IFLNK}})).find("plain files"),

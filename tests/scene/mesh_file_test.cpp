@@ -59,7 +59,7 @@ TEST_F(MeshFileTest, FieldsOfAMesh) {
     EXPECT_EQ(problem_of(R"("type": "gltf", "file": "m.glb", "voxel_size_m": 1, "resolution": 2)"),
               "/resolution: expected either voxel_size_m or resolution");
     EXPECT_EQ(problem_of(R"("type": "nff", "file": "m.nff", "resolution": 65537)"),
-              "/resolution: is 65537, expected an integer from 1 to 65536");
+              "/resolution: is 65537, expected an integer from 1 to 65534");
     EXPECT_NE(problem_of(R"("type": "gltf", "file": "m.glb", "voxel_size_m": 1, "up": "z")"),
               "none");
     EXPECT_NE(problem_of(R"("type": "obj", "file": "../m.obj", "voxel_size_m": 1)"), "none");

@@ -60,6 +60,9 @@ class MediaPilot {
         tracer_ = &*pilot.media->tracer;
         pilot.search_cost += cost_of(pilot.media->depth.count);
         pilot.search_cost += cost_of(pilot.media->tracker_pilot.count);
+        if (pilot.media->emitter_pilot) {
+            pilot.search_cost += cost_of(pilot.media->emitter_pilot->count);
+        }
         choose_places();
         CostStats first;
         trace_truth(kFirstPaths, first);

@@ -52,6 +52,14 @@ bool has_grid(const Media& media) {
                        [](const Medium& medium) { return medium.is_grid(); });
 }
 
+/// Whether light of emissive voxels may be scattered in a state of the job.
+bool meets_emitters(const Scene& scene, const JobSpec& job) {
+    return scene.emits() && facts_of(scene.media).scatters &&
+           std::any_of(job.states.begin(), job.states.end(), [&](const LightingState& state) {
+               return sees_media(scene, state) && state.emission;
+           });
+}
+
 std::vector<MediumSpec> specs_of(const Media& media) {
     std::vector<MediumSpec> specs;
     for (const Medium& medium : media.all()) specs.push_back(medium.spec);
@@ -98,6 +106,16 @@ MediaPlan plan_media(const Scene& scene, const JobSpec& job) {
         refuse("/quality/tracker", error.what());
     }
     for (const Medium& medium : scene.media.all()) plan.media.push_back(describe(medium));
+    if (meets_emitters(scene, job)) {
+        plan.emitters =
+            "by scattering, and by rays to them where a pilot finds variance × cost smaller so";
+    } else {
+        plan.choice.left_out.emplace_back("rays to emissive voxels: " +
+                                          std::string(!scene.emits() ? "no voxel emits"
+                                                      : !facts_of(scene.media).scatters
+                                                          ? "no medium scatters"
+                                                          : "no lighting state shows emission"));
+    }
     plan.bytes = scene.media.memory_bytes();
     return plan;
 }
@@ -111,7 +129,8 @@ MediaState::MediaState(const Scene& scene, const ReadyState& state, const JobSpe
                             .corner_m = scene.corner_m,
                             .media = which,
                             .lighting = lighting,
-                            .shadow = state.spec.shadows};
+                            .shadow = state.spec.shadows,
+                            .emitters = emitters ? &*emitters : nullptr};
     };
     PilotParams params;
     params.choice = choice_params(job);
@@ -125,9 +144,17 @@ MediaState::MediaState(const Scene& scene, const ReadyState& state, const JobSpe
             own_media = Media(specs_of(scene.media), {.max_depth = depth.max_depth});
         }
     }
+    if (lighting.emission && scene.emits() && facts_of(scene.media).scatters) {
+        emitters.emplace(scene.tree);
+        if (emitters->empty()) emitters.reset();
+    }
     const ScatterScene flown = with(media(scene));
     tracker_pilot = choose_by_pilot(flown, ray, params);
-    tracer.emplace(flown, tracker_pilot.choice);
+    if (emitters) {
+        emitter_pilot = choose_emitters(flown, tracker_pilot.choice, ray, params);
+        if (!emitter_pilot->sampled) emitters.reset();
+    }
+    tracer.emplace(with(media(scene)), tracker_pilot.choice);
 }
 
 double effective_far_through_media_m(const Scene& scene, const ProbeSpec& probe) {

@@ -23,6 +23,7 @@ bool sees_media(const Scene& scene, const LightingState& state);
 struct MediaPlan {
     TrackerChoice choice;
     std::vector<std::string> media;  // "name: shape, …"
+    std::string emitters;            // how emissive voxels are met; empty where none is to be
     uint64_t bytes = 0;              // of grids and octrees
 };
 /// Throws SpecError (unacceptable) where the job forces a tracker that cannot render these media,
@@ -41,6 +42,9 @@ struct MediaState {
     DepthPilot depth;  // empty where no medium is a grid
     Media own_media;   // with octrees of that depth; empty where the scene's own are as good
     TrackerPilot tracker_pilot;
+    /// Kept where rays to emissive voxels pay; the pilot, wherever it was asked.
+    std::optional<EmitterSampler> emitters;
+    std::optional<EmitterPilot> emitter_pilot;
     std::optional<PathTracer> tracer;
 
     const Media& media(const Scene& scene) const {

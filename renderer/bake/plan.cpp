@@ -186,6 +186,7 @@ Json write_plan(const Plan& plan) {
                          {"reason", plan.media->choice.reason},
                          {"media", plan.media->media},
                          {"bytes", plan.media->bytes}};
+        if (!plan.media->emitters.empty()) json["media"]["emissive_voxels"] = plan.media->emitters;
     }
     for (const LeftOut& left : plan.left_out) {
         json["left_out"].push_back({{"what", left.what}, {"why", left.why}});

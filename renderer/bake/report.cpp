@@ -202,6 +202,14 @@ Json write_steering(const Pilot& pilot) {
     return json;
 }
 
+Json write_emitters(const EmitterPilot& pilot) {
+    return {{"voxels", pilot.emitters},
+            {"sampled", pilot.sampled},
+            {"reason", pilot.reason},
+            {"variance_times_cost", pilot.variance_sampled * pilot.cost_sampled},
+            {"variance_times_cost_without", pilot.variance_found * pilot.cost_found}};
+}
+
 /// What the pilot found of the media: the tracker, its rivals, the depths that were tried.
 Json write_media(const MediaState& media) {
     const TrackerPilot& pilot = media.tracker_pilot;
@@ -220,6 +228,7 @@ Json write_media(const MediaState& media) {
         json["octree_depths"].push_back(
             {{"depth", depth}, {"cost", cost}, {"chosen", depth == media.depth.max_depth}});
     }
+    if (media.emitter_pilot) json["emissive_voxels"] = write_emitters(*media.emitter_pilot);
     return json;
 }
 

@@ -1,4 +1,5 @@
-// The path loop of path_tracer.h, as a template on tracker and traits.
+// The path loop of path_tracer.h, as a template on tracker and traits, and on whether rays go to
+// emissive voxels.
 #pragma once
 
 #include <numbers>
@@ -39,7 +40,7 @@ struct Scatterer {
     }
 };
 
-template <class Tracker, class Traits>
+template <class Tracker, class Traits, bool Emitters>
 class PathLoop {
   public:
     static constexpr int N = Traits::kChannels;
@@ -75,7 +76,7 @@ class PathLoop {
                 if (first) result_.distance_m = end;
                 if (from_surface) break;
                 next = surface_place(hit);
-                scatterer = meet_surface(hit);
+                scatterer = meet_surface(hit, at, direction, density);
                 from_surface = true;
             } else {
                 if (first) result_.distance_m = flight.t;
@@ -90,6 +91,9 @@ class PathLoop {
             ++count_.scatterings;
             add_sun(next, direction, scatterer);
             add_sky_sample(next, direction, scatterer);
+            if constexpr (Emitters) {
+                if (!scatterer.surface) add_emitter_sample(next, direction, scatterer);
+            }
             if (!roulette(scatterings)) break;
             const Vec3 to = scatterer.sample(direction, random_);
             density = scatterer.value(direction, to);
@@ -206,12 +210,18 @@ class PathLoop {
         return place;
     }
 
-    /// Adds what the voxel emits and weighs the path by its albedo.
-    Scatterer meet_surface(const Hit& hit) {
+    /// Adds what the voxel emits and weighs the path by its albedo. `density`: of the direction.
+    Scatterer meet_surface(const Hit& hit, const PathPlace& from, const Vec3& direction,
+                           double density) {
         const ColorPyramid& colors = scene_.tree.colors();
         const ColorIndex index = color_index(scene_.tree, hit, 0);
         if (scene_.lighting.emission && !colors.emission.empty()) {
-            result_.radiance += to_vec3(beta_ * to_spectrum(colors.emission[index]));
+            const Spectrum<3> light = beta_ * to_spectrum(colors.emission[index]);
+            if (!(density > 0.0)) {
+                result_.radiance += to_vec3(light);
+            } else if (light.max_abs() > 0.0) {
+                add_emitted(light, hit_weight(hit, from, direction, density), light);
+            }
         }
         beta_ *= to_spectrum(colors.albedo[index]);
         Scatterer scatterer{.surface = true};
@@ -220,12 +230,60 @@ class PathLoop {
         return scatterer;
     }
 
-    Spectrum<3> transmittance(const PathPlace& from, const Vec3& towards) {
+    /// Balance heuristic between scattering in a direction and drawing it by its emitter.
+    double hit_weight(const Hit& hit, const PathPlace& from, const Vec3& direction,
+                      double density) const {
+        if constexpr (Emitters) {
+            const uint32_t voxel = color_index(scene_.tree, hit, 0).index;
+            const double probability =
+                scene_.emitters->probability(from.voxels, voxel, hit.entry_face);
+            return density / (density + sampled_density(hit, direction, probability));
+        } else {
+            return 1.0;
+        }
+    }
+
+    static double sampled_density(const Hit& hit, const Vec3& direction, double probability) {
+        if (!(probability > 0.0)) return 0.0;
+        const double cosine = std::abs(direction[axis_of(hit.entry_face)]);
+        return EmitterSampler::density(probability, hit.t, cosine);
+    }
+
+    /// Adds light of an emissive voxel that a scattering met, weighed; `unweighed`: as it would
+    /// count if scattering alone found it.
+    void add_emitted(const Spectrum<3>& light, double weight, const Spectrum<3>& unweighed) {
+        const Spectrum<3> weighed = light * weight;
+        result_.radiance += to_vec3(weighed);
+        result_.emitted += to_vec3(weighed);
+        result_.chance2 += to_vec3(weighed * unweighed);
+    }
+
+    /// Towards a point of an emissive voxel. Only what the ray meets there counts, so that it is
+    /// what scattering in that direction would have met.
+    void add_emitter_sample(const PathPlace& at, const Vec3& from, const Scatterer& scatterer) {
+        const double u = random_.uniform();
+        const double v = random_.uniform();
+        const auto sample = scene_.emitters->sample(at.voxels, {u, v, random_.uniform()});
+        if (!sample) return;
+        const Vec3 towards = glm::normalize(sample->point - at.voxels);
+        const double value = scatterer.value(from, towards);
+        if (!(value > 0.0)) return;
+        ++count_.shadow_rays;
+        const Hit hit = trace_voxels(at, towards, {});
+        if (!hit || hit.corner != sample->corner || hit.entry_face != sample->face) return;
+        const double density = sampled_density(hit, towards, sample->probability);
+        const ColorIndex index = color_index(scene_.tree, hit, 0);
+        const Spectrum<3> light = beta_ * to_spectrum(scene_.tree.colors().emission[index]);
+        const Spectrum<3> through = transmittance(at, towards, {0.0, hit.t * scene_.voxel_size_m});
+        add_emitted(light * through, value / (density + value), light);
+    }
+
+    Spectrum<3> transmittance(const PathPlace& from, const Vec3& towards, const TRange& range) {
         const Ray ray{from.metres, towards};
         if (tracer_.choice().transmittance == TransmittanceKind::kClosedForm) {
-            return exp(scene_.media.optical_depth(ray, {}) * -1.0);
+            return exp(scene_.media.optical_depth(ray, range) * -1.0);
         }
-        MediaLine<N> line(scene_.media, ray, {});
+        MediaLine<N> line(scene_.media, ray, range);
         Spectrum<N> t;
         switch (tracer_.choice().transmittance) {
             case TransmittanceKind::kRatio:
@@ -260,7 +318,7 @@ class PathLoop {
                             std::numeric_limits<double>::infinity(), scene_.shadow);
         count_.steps += shadow.blocker.steps;
         if (!shadow.visible) return;
-        const Spectrum<3> through = transmittance(at, towards);
+        const Spectrum<3> through = transmittance(at, towards, {});
         result_.radiance += to_vec3(beta_ * through * to_spectrum(light) * value);
     }
 
@@ -316,21 +374,26 @@ class PathLoop {
     PathResult result_;
 };
 
-template <class Tracker, class Traits>
+template <class Tracker, class Traits, bool Emitters>
 PathResult trace_path(const PathTracer& tracer, const Ray& ray_m, const TRange& range,
                       PathRandom& random, PathCount& count) {
-    return PathLoop<Tracker, Traits>(tracer, random, count).run(ray_m, range);
+    return PathLoop<Tracker, Traits, Emitters>(tracer, random, count).run(ray_m, range);
+}
+
+template <class Tracker, class Traits>
+PathTracer::Instance instance_with(bool emitters) {
+    return emitters ? trace_path<Tracker, Traits, true> : trace_path<Tracker, Traits, false>;
 }
 
 /// The instance of a tracker for the traits of a choice.
 template <class Tracker, int Channels>
-PathTracer::Instance instance_of(const TrackerChoice& choice) {
+PathTracer::Instance instance_of(const TrackerChoice& choice, bool emitters) {
     if (choice.absorbs) {
-        return choice.emits ? trace_path<Tracker, TrackTraits<Channels, true, true>>
-                            : trace_path<Tracker, TrackTraits<Channels, true, false>>;
+        return choice.emits ? instance_with<Tracker, TrackTraits<Channels, true, true>>(emitters)
+                            : instance_with<Tracker, TrackTraits<Channels, true, false>>(emitters);
     }
     // Nothing emits that does not absorb.
-    return trace_path<Tracker, TrackTraits<Channels, false, false>>;
+    return instance_with<Tracker, TrackTraits<Channels, false, false>>(emitters);
 }
 
 }  // namespace probebake

@@ -6,22 +6,23 @@ namespace probebake {
 namespace {
 
 template <class Tracker>
-PathTracer::Instance scalar(const TrackerChoice& choice) {
-    return choice.gray ? instance_of<Tracker, 1>(choice) : instance_of<Tracker, 3>(choice);
+PathTracer::Instance scalar(const TrackerChoice& choice, bool emitters) {
+    return choice.gray ? instance_of<Tracker, 1>(choice, emitters)
+                       : instance_of<Tracker, 3>(choice, emitters);
 }
 
 }  // namespace
 
-PathTracer::Instance scalar_instance(const TrackerChoice& choice) {
+PathTracer::Instance scalar_instance(const TrackerChoice& choice, bool emitters) {
     switch (choice.tracker) {
         case TrackerKind::kDelta:
-            return scalar<DeltaTracker>(choice);
+            return scalar<DeltaTracker>(choice, emitters);
         case TrackerKind::kWeightedDelta:
-            return scalar<WeightedDelta>(choice);
+            return scalar<WeightedDelta>(choice, emitters);
         case TrackerKind::kAnalogDecomposition:
-            return scalar<AnalogDecomposition>(choice);
+            return scalar<AnalogDecomposition>(choice, emitters);
         case TrackerKind::kWeightedDecomposition:
-            return scalar<WeightedDecomposition>(choice);
+            return scalar<WeightedDecomposition>(choice, emitters);
         default:
             return nullptr;
     }

@@ -17,10 +17,10 @@ struct NoFlight {
     }
 };
 
-PathTracer::Instance instance_for(const TrackerChoice& choice) {
-    if (const auto scalar = scalar_instance(choice)) return scalar;
-    if (const auto spectral = spectral_instance(choice)) return spectral;
-    return trace_path<NoFlight, TrackTraits<3, false, false>>;
+PathTracer::Instance instance_for(const TrackerChoice& choice, bool emitters) {
+    if (const auto scalar = scalar_instance(choice, emitters)) return scalar;
+    if (const auto spectral = spectral_instance(choice, emitters)) return spectral;
+    return trace_path<NoFlight, TrackTraits<3, false, false>, false>;
 }
 
 }  // namespace
@@ -43,6 +43,7 @@ PathTracer::PathTracer(const ScatterScene& scene, const TrackerChoice& choice,
       choice_(choice),
       settings_(settings),
       sky_(scene.lighting.sky),
-      instance_(instance_for(choice)) {}
+      instance_(instance_for(choice, scene.emitters != nullptr && !scene.emitters->empty() &&
+                                         scene.lighting.emission)) {}
 
 }  // namespace probebake

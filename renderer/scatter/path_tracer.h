@@ -4,9 +4,11 @@
 //   L = ∫ T (μa L_e + μs ∫ p L dω) dt + T L_surface     (radiative transfer; W·m⁻²·sr⁻¹)
 //
 // Distances by the tracker of the plan (track/choice.h). At every scattering one shadow ray to the
-// sun, one to a picture of a sky, weighed against the phase function (balance heuristic); smooth
-// skies and emissive voxels are found by scattering. A medium's emission is collected at every
-// collision candidate. Absorption weighs the path; roulette ends it below Settings::roulette_below.
+// sun, one to a picture of a sky, and in media one to an emissive voxel where the scene has a
+// sampler of them, both weighed against the phase function (balance heuristic); smooth skies, and
+// emissive voxels without a sampler, are found by scattering. A medium's emission is collected at
+// every collision candidate. Absorption weighs the path; roulette ends it below
+// Settings::roulette_below.
 //
 // Surfaces are Lambert: emission + albedo / π × what arrives straight or scattered from sun and
 // sky. As in every renderer here, light from one surface straight to another is left out
@@ -16,6 +18,7 @@
 #pragma once
 
 #include "light/lighting.h"
+#include "scatter/emitter_sampler.h"
 #include "scatter/path_random.h"
 #include "scatter/sky_sampler.h"
 #include "track/choice.h"
@@ -31,7 +34,8 @@ struct ScatterScene {
     Vec3 corner_m{0.0};
     const Media& media;
     const Lighting& lighting;
-    ShadowSettings shadow;  // of rays to sun and sky
+    ShadowSettings shadow;                     // of rays to sun and sky
+    const EmitterSampler* emitters = nullptr;  // of the tree; none: scattering alone finds them
 };
 
 struct PathSettings {
@@ -62,6 +66,10 @@ struct PathResult {
     Vec3 radiance{0.0};
     /// Where the first scattering or surface is, m; infinite for the sky.
     double distance_m = std::numeric_limits<double>::infinity();
+    /// The part of the radiance that scattering brings from emissive voxels.
+    Vec3 emitted{0.0};
+    /// Estimates the second moment that `emitted` would have if scattering alone found them.
+    Vec3 chance2{0.0};
 };
 
 class PathTracer {
@@ -95,7 +103,7 @@ class PathTracer {
 
 /// The instance of the path loop that a choice needs; one function per tracker and traits, defined
 /// in path_scalar.cpp and path_spectral.cpp.
-PathTracer::Instance scalar_instance(const TrackerChoice& choice);
-PathTracer::Instance spectral_instance(const TrackerChoice& choice);
+PathTracer::Instance scalar_instance(const TrackerChoice& choice, bool emitters);
+PathTracer::Instance spectral_instance(const TrackerChoice& choice, bool emitters);
 
 }  // namespace probebake

@@ -57,6 +57,15 @@ std::string short_number(double x) {
     return text.str();
 }
 
+/// Everything that a path asks of voxels and media; a step of the emitters' tree like one of
+/// theirs.
+double whole_cost(const PathCount& count, const PilotParams& params) {
+    return static_cast<double>(count.flights.leaves + count.shadows.leaves + count.steps) +
+           static_cast<double>(count.lookups()) * params.choice.lookup_cost;
+}
+
+double mean_of(const Vec3& v) { return (v.x + v.y + v.z) / 3.0; }
+
 }  // namespace
 
 TrackerPilot choose_by_pilot(const ScatterScene& scene, const PilotRay& ray,
@@ -119,6 +128,50 @@ DepthPilot choose_depth(const ScatterScene& scene, const std::vector<MediumSpec>
             break;
         }
     }
+    return out;
+}
+
+EmitterPilot choose_emitters(const ScatterScene& scene, const TrackerChoice& choice,
+                             const PilotRay& ray, const PilotParams& params) {
+    EmitterPilot out;
+    const PathTracer sampling(scene, choice);
+    ScatterScene without = scene;
+    without.emitters = nullptr;
+    const PathTracer finding(without, choice);
+    out.emitters = scene.emitters->size();
+    PathCount found;
+    double pairs = 0.0;
+    double difference = 0.0;  // Σ of what E[emitted²] is more without samples
+    for (int i = 0; i < params.paths / 2; ++i) {
+        const auto index = static_cast<uint64_t>(i);
+        RandomStream for_ray(random_key({params.key, index, 1}));
+        const Ray at = ray(for_ray);
+        std::array<Vec3, 2> radiance;
+        for (uint64_t k = 0; k < 2; ++k) {
+            PathRandom random(random_key({params.key, index, 2 + k}));
+            const PathResult path = sampling.trace(at, {}, random, out.count);
+            radiance[k] = path.radiance;
+            difference += mean_of(path.chance2 - path.emitted * path.emitted);
+            PathRandom again(random_key({params.key, index, 2 + k}));
+            finding.trace(at, {}, again, found);
+        }
+        const Vec3 d = radiance[0] - radiance[1];
+        pairs += mean_of(d * d);
+    }
+    const double paths = 2.0 * (params.paths / 2);
+    out.variance_sampled = pairs / paths;
+    out.variance_found = std::max(0.0, out.variance_sampled + difference / paths);
+    const double tree_steps =
+        2.0 * scene.emitters->levels() * static_cast<double>(out.count.scatterings);
+    out.cost_sampled = (whole_cost(out.count, params) + tree_steps) / paths;
+    out.cost_found = whole_cost(found, params) / paths;
+    out.count += found;
+    const double with = out.variance_sampled * out.cost_sampled;
+    const double by_chance = out.variance_found * out.cost_found;
+    out.sampled = with <= by_chance;
+    out.reason = "a pilot of " + std::to_string(params.paths) +
+                 " paths: with rays to the emissive voxels, variance × cost is " +
+                 short_number(by_chance > 0.0 ? with / by_chance : 1.0) + " of that without";
     return out;
 }
 

@@ -3,7 +3,7 @@
 // The rule (track/choice.h) names a tracker; the pilot runs it and its rivals on the same rays and
 // takes a rival only where variance × counted cost (leaves + look-ups × their cost) is smaller by
 // kWorthwhile: smaller differences of a pilot are noise. Counts decide, never seconds. The depth of
-// the octrees is found likewise, by cost alone.
+// the octrees is found likewise, by cost alone; and whether rays go to emissive voxels.
 #pragma once
 
 #include <functional>
@@ -50,5 +50,22 @@ struct DepthPilot {
 /// any more. scene.media is not looked at.
 DepthPilot choose_depth(const ScatterScene& scene, const std::vector<MediumSpec>& specs,
                         double threshold, const PilotRay& ray, const PilotParams& params = {});
+
+struct EmitterPilot {
+    bool sampled = false;  // whether rays go to emissive voxels
+    uint64_t emitters = 0;
+    // Variance of a path (within its pixel, mean over the channels) and its counted cost, voxel
+    // steps included.
+    double variance_sampled = 0.0;
+    double variance_found = 0.0;  // foreseen by the paths that sample: rare hits would not be seen
+    double cost_sampled = 0.0;
+    double cost_found = 0.0;
+    std::string reason;
+    PathCount count;
+};
+/// Whether variance × cost is less with rays to the emitters of the scene than without, by pairs
+/// of paths with the same rays.
+EmitterPilot choose_emitters(const ScatterScene& scene, const TrackerChoice& choice,
+                             const PilotRay& ray, const PilotParams& params = {});
 
 }  // namespace probebake

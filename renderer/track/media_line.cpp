@@ -62,16 +62,9 @@ bool DensityCursor::next_fog(DensitySegment& segment) {
     return true;
 }
 
-double DensityCursor::density(double t) const {
-    switch (kind_) {
-        case Kind::kGrid:
-            return grid_->sample(origin_ + direction_ * t);
-        case Kind::kFog:
-            return std::exp(-std::max(0.0, origin_.y + direction_.y * t));
-        case Kind::kHomogeneous:
-            break;
-    }
-    return 1.0;
+double DensityCursor::simple_density(double t) const {
+    if (kind_ == Kind::kHomogeneous) return 1.0;
+    return std::exp(-std::max(0.0, origin_.y + direction_.y * t));
 }
 
 double DensityCursor::emission_scale(double t) const {

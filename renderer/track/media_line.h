@@ -23,13 +23,17 @@ class DensityCursor {
     DensityCursor(const Medium& medium, const Ray& ray_m, const TRange& range);
 
     bool next(DensitySegment& segment);
-    double density(double t) const;
+    double density(double t) const {
+        return kind_ == Kind::kGrid ? grid_->sample(origin_ + direction_ * t) : simple_density(t);
+    }
     double emission_scale(double t) const;
 
   private:
     enum class Kind : uint8_t { kGrid, kFog, kHomogeneous };
 
     bool next_fog(DensitySegment& segment);
+    /// Of fog and homogeneous media.
+    double simple_density(double t) const;
 
     Kind kind_ = Kind::kHomogeneous;
     const DensityGrid* grid_ = nullptr;
@@ -53,37 +57,32 @@ class MediaLine {
     MediaLine(const Media& media, const Ray& ray_m, const TRange& range)
         : media_(media.all()), count_(media_.size()), t_(range.begin), end_(range.end) {
         for (size_t k = 0; k < count_; ++k) {
-            cursors_[k].emplace(media_[k], ray_m, range);
-            if (count_ > 1) there_[k] = cursors_[k]->next(pieces_[k]);
+            parts_[k].emplace(media_[k], ray_m, range);
+            if (count_ > 1) there_[k] = parts_[k]->cursor.next(pieces_[k]);
         }
     }
 
     bool next(Segment<N>& segment) {
         if (count_ == 1) {
-            if (!cursors_[0]->next(pieces_[0])) return false;
+            if (!parts_[0]->cursor.next(pieces_[0])) return false;
             segment.t0 = pieces_[0].t0;
             segment.t1 = pieces_[0].t1;
-            segment.least = unit(0) * pieces_[0].least;
-            segment.most = unit(0) * pieces_[0].most;
+            segment.least = parts_[0]->unit * pieces_[0].least;
+            segment.most = parts_[0]->unit * pieces_[0].most;
             return true;
         }
         return next_of_several(segment);
     }
 
     Coefficients<N> at(double t) {
+        if (count_ == 1) return parts_[0]->unit * look_up(0, t);
         Coefficients<N> sum;
         for (size_t k = 0; k < count_; ++k) {
-            if (!active(k)) {
+            if (active(k)) {
+                sum += parts_[k]->unit * look_up(k, t);
+            } else {
                 densities_[k] = 0.0;
-                continue;
             }
-            const DensitySegment& piece = pieces_[k];
-            const double exact = cursors_[k]->density(t);
-            const double d = std::clamp(exact, piece.least, piece.most);
-            // Leaves end at rounded t: a look-up may lie a rounding error beside its leaf.
-            if (std::abs(exact - d) > 1e-6 * (1.0 + piece.most)) ++unbounded_;
-            densities_[k] = d;
-            sum += unit(k) * d;
         }
         return sum;
     }
@@ -94,7 +93,7 @@ class MediaLine {
         for (size_t k = 0; k < count_; ++k) {
             if (!(densities_[k] > 0.0)) continue;
             sum += media_[k].unit.absorption * media_[k].source *
-                   (densities_[k] * cursors_[k]->emission_scale(t));
+                   (densities_[k] * parts_[k]->cursor.emission_scale(t));
         }
         return sum;
     }
@@ -116,12 +115,31 @@ class MediaLine {
     uint64_t unbounded() const { return unbounded_; }
 
   private:
-    Coefficients<N> unit(size_t k) const {
+    struct Part {
+        Part(const Medium& medium, const Ray& ray_m, const TRange& range)
+            : unit(unit_of(medium)), cursor(medium, ray_m, range) {}
+
+        Coefficients<N> unit;  // at density 1
+        DensityCursor cursor;
+    };
+
+    static Coefficients<N> unit_of(const Medium& medium) {
         if constexpr (kGray) {
-            return {Spectrum<1>(0.0), Spectrum<1>(media_[k].unit.extinction()[1])};
+            return {Spectrum<1>(0.0), Spectrum<1>(medium.unit.extinction()[1])};
         } else {
-            return media_[k].unit;
+            return medium.unit;
         }
+    }
+
+    /// The density of a medium, within the bounds of its piece.
+    double look_up(size_t k, double t) {
+        const DensitySegment& piece = pieces_[k];
+        const double exact = parts_[k]->cursor.density(t);
+        const double d = std::clamp(exact, piece.least, piece.most);
+        densities_[k] = d;
+        // Leaves end at rounded t: a look-up may lie a rounding error beside its leaf.
+        if (exact != d && std::abs(exact - d) > 1e-6 * (1.0 + piece.most)) ++unbounded_;
+        return d;
     }
     bool active(size_t k) const { return count_ == 1 || (there_[k] && pieces_[k].t0 <= from_); }
 
@@ -129,7 +147,8 @@ class MediaLine {
         double to = end_;
         bool any = false;
         for (size_t k = 0; k < count_; ++k) {
-            while (there_[k] && !(pieces_[k].t1 > t_)) there_[k] = cursors_[k]->next(pieces_[k]);
+            while (there_[k] && !(pieces_[k].t1 > t_))
+                there_[k] = parts_[k]->cursor.next(pieces_[k]);
             if (!there_[k]) continue;
             any = true;
             to = std::min(to, pieces_[k].t0 > t_ ? pieces_[k].t0 : pieces_[k].t1);
@@ -141,8 +160,8 @@ class MediaLine {
         from_ = t_;
         for (size_t k = 0; k < count_; ++k) {
             if (!active(k)) continue;
-            segment.least += unit(k) * pieces_[k].least;
-            segment.most += unit(k) * pieces_[k].most;
+            segment.least += parts_[k]->unit * pieces_[k].least;
+            segment.most += parts_[k]->unit * pieces_[k].most;
         }
         t_ = to;
         return true;
@@ -151,7 +170,7 @@ class MediaLine {
     const std::vector<Medium>& media_;
     size_t count_;
     // Only those of the media that are there are made: a line is made for every flight.
-    std::array<std::optional<DensityCursor>, kMaxMedia> cursors_;
+    std::array<std::optional<Part>, kMaxMedia> parts_;
     std::array<DensitySegment, kMaxMedia> pieces_;
     std::array<bool, kMaxMedia> there_{};  // whether the piece is one
     Densities densities_{};                // of the last look-up

@@ -93,7 +93,7 @@ void DensityGrid::check_extent(const BuildParams& params) {
 }
 
 DensityGrid::DensityGrid(const BuildParams& params, const FillBrick& fill)
-    : low_(params.low), cells_(params.cells) {
+    : low_(params.low), cells_(params.cells), origin_(params.low), extent_(params.cells) {
     check_extent(params);
     bricks_ = (cells_ + kBrick - 1) / kBrick;
     const auto count = static_cast<size_t>(bricks_.x) * static_cast<size_t>(bricks_.y) *
@@ -192,14 +192,15 @@ float DensityGrid::stored(size_t at) const {
 }
 
 double DensityGrid::sample(const Vec3& index) const {
-    const Vec3 from = index - Vec3(low_);
+    const Vec3 from = index - origin_;
     // NaN fails; the border belongs to no cell where it is 0 anyway.
-    if (!(from.x >= 0.0 && from.y >= 0.0 && from.z >= 0.0 && from.x < cells_.x &&
-          from.y < cells_.y && from.z < cells_.z)) {
+    if (!(from.x >= 0.0 && from.y >= 0.0 && from.z >= 0.0 && from.x < extent_.x &&
+          from.y < extent_.y && from.z < extent_.z)) {
         return 0.0;
     }
     const IVec3 cell(from);
-    const uint32_t brick = entry(cell / kBrick);
+    const uint32_t brick =
+        entry({cell.x >> kBrickLog2, cell.y >> kBrickLog2, cell.z >> kBrickLog2});
     if ((brick & kConstant) != 0) return double{constants_[brick & ~kConstant]};
     const Vec3 f = from - Vec3(cell);
     const IVec3 in(cell.x & (kBrick - 1), cell.y & (kBrick - 1), cell.z & (kBrick - 1));

@@ -24,8 +24,9 @@ namespace probebake {
 
 class DensityGrid {
   public:
-    static constexpr int kBrick = 8;          // cells per side
-    static constexpr int kSide = kBrick + 1;  // lattice points per side
+    static constexpr int kBrickLog2 = 3;
+    static constexpr int kBrick = 1 << kBrickLog2;  // cells per side
+    static constexpr int kSide = kBrick + 1;        // lattice points per side
     static constexpr size_t kBrickValues = size_t{kSide} * kSide * kSide;
     static constexpr int kMaxCells = 1 << 15;                  // per axis
     static constexpr uint64_t kMaxBricks = uint64_t{1} << 27;  // of the table
@@ -101,6 +102,8 @@ class DensityGrid {
     IVec3 low_{0};
     IVec3 cells_{0};
     IVec3 bricks_{0};
+    Vec3 origin_{0.0};  // low_ and cells_ again, as look-ups need them
+    Vec3 extent_{0.0};
     std::vector<uint32_t> table_;
     std::vector<float> constants_{0.0f};
     std::vector<float> float_;  // one of these two is empty

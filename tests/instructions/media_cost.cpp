@@ -105,7 +105,7 @@ void paths(const Media& media, int number) {
     for (int i = 0; i < number; ++i) {
         RandomStream for_ray(random_key({2, static_cast<uint64_t>(i)}));
         PathRandom random(random_key({3, static_cast<uint64_t>(i)}));
-        sum += trace_path<typename Instance::Tracker, typename Instance::Traits>(
+        sum += trace_path<typename Instance::Tracker, typename Instance::Traits, false>(
                    tracer, ray_at_cloud(for_ray), {}, random, count)
                    .radiance.x;
     }

@@ -1,9 +1,10 @@
-// The only file that includes OpenVDB.
+// The only file that includes OpenVDB, besides a study's and the tests'.
 #include "scene/vdb/vdb_file.h"
 
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include <cmath>
 #include <fstream>
 #include <unordered_set>
 
@@ -146,6 +147,10 @@ VdbGrid convert(const Grid& grid) {
     }
     VdbGrid out;
     out.index_to_world = affine_of(grid.transform());
+    const Affine& map = out.index_to_world;
+    if (!std::isnormal(glm::determinant(map.linear)) || !is_finite(map.offset)) {
+        throw std::runtime_error("a transform that is not finite or cannot be inverted");
+    }
     out.active_voxels = grid.activeVoxelCount();
     out.active_tiles = grid.tree().activeTileCount();
     out.grid = Converter<typename Grid::TreeType>(grid.tree()).run();

@@ -117,6 +117,24 @@ TEST(Gltf, MatricesMirrorAndTurnTheWinding) {
               "m.gltf: /nodes/0/matrix: expected 0, 0, 0, 1 in its last row");
 }
 
+TEST(Gltf, DeepHierarchies) {
+    GltfWriter writer = gltf_triangle();
+    constexpr int kDepth = 20'000;
+    writer.document["nodes"] = Json::array();
+    for (int i = 0; i < kDepth; ++i) {
+        writer.document["nodes"].push_back({{"translation", {0, 0, 1}}, {"children", {i + 1}}});
+    }
+    writer.document["nodes"].push_back({{"mesh", 0}});
+    expect_near(corners(import_text(writer.text()), 0)[0], Vec3(0, 0, kDepth));
+    // The last node's child is the first.
+    writer.document["nodes"][kDepth]["children"] = {0};
+    EXPECT_EQ(problem_of(writer.text()), "m.gltf: /nodes/0: is met twice, but nodes form trees");
+    Json nested = Json::array();
+    for (int i = 0; i < 100; ++i) nested = Json::array({nested});
+    writer.document["extras"] = nested;
+    EXPECT_NE(problem_of(writer.text()).find("nested deeper than 64"), std::string::npos);
+}
+
 TEST(Gltf, InstancesOfAMesh) {
     GltfWriter writer = gltf_triangle();
     writer.node({{"mesh", 0}, {"translation", {0, 0, 7}}});
@@ -258,6 +276,28 @@ TEST(Gltf, PicturesInsideTheFile) {
         EXPECT_EQ(mesh.texture_coordinates[1], Vec2(2.5, 0.25));
         EXPECT_EQ(mesh.texture_coordinates[2], Vec2(0.5, 4.25));
     }
+}
+
+TEST(Gltf, TextureTransformsTurnCounterClockwise) {
+    GltfWriter writer = gltf_triangle();
+    Json& primitive = writer.document["meshes"][0]["primitives"][0];
+    primitive["material"] = 0;
+    primitive["attributes"]["TEXCOORD_0"] =
+        writer.accessor("VEC2", 5126, std::vector<float>{0, 0, 1, 0, 0, 1});
+    const Json transform = {{"rotation", std::acos(0.0)}, {"scale", {2, 3}}, {"offset", {10, 20}}};
+    writer.document["materials"] = {
+        {{"pbrMetallicRoughness",
+          {{"baseColorTexture",
+            {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}}}}}};
+    writer.document["textures"] = {{{"source", 0}}};
+    writer.document["images"] = {{{"uri", "a.png"}}};
+    const std::string picture = test::rgb_png(1, "abc");
+    const auto read = [&](const std::string&) { return std::optional(bytes_of(picture)); };
+    const TriangleMesh mesh = import_text(writer.text(), read);
+    // v points down: +u turns to where v is less.
+    expect_near(Vec3(mesh.texture_coordinates[0], 0), Vec3(10, 20, 0));
+    expect_near(Vec3(mesh.texture_coordinates[1], 0), Vec3(10, 18, 0));
+    expect_near(Vec3(mesh.texture_coordinates[2], 0), Vec3(13, 20, 0));
 }
 
 TEST(Gltf, AlphaModes) {

@@ -161,7 +161,9 @@ class Check {
         if (!value.is_object()) fail(pointer, "expected an object");
         if (step == "@") {
             for (const auto& [key, member] : value.items()) {
-                visit(member, pointer + "/" + key, rest, field);
+                std::string below = pointer;
+                below.append("/").append(key);
+                visit(member, below, rest, field);
             }
             return;
         }

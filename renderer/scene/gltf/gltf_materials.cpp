@@ -74,7 +74,9 @@ GltfCoordinates coordinates_of(const tinygltf::TextureInfo& texture) {
     const double angle = number_of(value, "rotation", 0.0);
     const double c = std::cos(angle);
     const double s = std::sin(angle);
-    // Translation, then rotation, then scale, as the extension's matrices multiply.
+    // Scaled, turned, shifted. Counter-clockwise as the extension's text says and its test model
+    // wants, in coordinates of which v points down; its sample code has the other sign (Khronos'
+    // issue glTF 1563).
     found.map = {c * scale.x, -s * scale.x, s * scale.y, c * scale.y, offset.x, offset.y};
     found.set = value.Has("texCoord") ? value.Get("texCoord").GetNumberAsInt() : found.set;
     return found;

@@ -265,7 +265,7 @@ void color_statement(std::string_view name, Lines& lines, MtlText& found) {
 std::string alpha(Lines& lines) {
     lines.cut_comment();
     if (lines.rest().starts_with("-halo")) lines.word();
-    const std::string value(lines.rest().substr(0, lines.rest().find_first_of(kSpace)));
+    std::string value(lines.rest().substr(0, lines.rest().find_first_of(kSpace)));
     const double number = lines.number("a number from 0 to 1");
     if (!(number >= 0.0 && number <= 1.0)) lines.fail_expected("a number from 0 to 1", value);
     return value;

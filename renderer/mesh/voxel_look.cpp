@@ -12,14 +12,21 @@ constexpr double kLeastCover = 0.75;
 
 Box voxel_box(const Vec3& middle) { return {middle - Vec3(0.5), middle + Vec3(0.5)}; }
 
-/// How much of a voxel around a point emitters cover, 0 to 1.
-double cover_around(const GridMesh& grid, const MeshSurface& surface, const Vec3& middle,
-                    std::span<const uint32_t> glowing) {
+/// What emitters do in a voxel's box around a point.
+struct Glow {
+    double cover = 0.0;  // of the box's side, 0 to 1
+    double area = 0.0;   // of their surface in it
+};
+
+Glow glow_around(const GridMesh& grid, const MeshSurface& surface, const Vec3& middle,
+                 std::span<const uint32_t> glowing) {
     Vec3 up(0.0);
     Vec3 down(0.0);
+    Glow glow;
     for (const uint32_t index : glowing) {
         const GridTriangle& triangle = grid.triangles[index];
         const ClippedTriangle part(corners_of(triangle), voxel_box(middle));
+        glow.area += glm::length(part.area());
         up += glm::max(part.area(), Vec3(0.0));
         down += glm::max(-part.area(), Vec3(0.0));
         if (surface.shines_on_both_sides(triangle)) {
@@ -28,7 +35,8 @@ double cover_around(const GridMesh& grid, const MeshSurface& surface, const Vec3
         }
     }
     const Vec3 most = glm::max(up, down);
-    return std::min(1.0, std::max({most.x, most.y, most.z}) / kLeastCover);
+    glow.cover = std::min(1.0, std::max({most.x, most.y, most.z}) / kLeastCover);
+    return glow;
 }
 
 Rgb emission_of(const GridMesh& grid, const MeshSurface& surface, const Vec3& middle,
@@ -48,7 +56,9 @@ Rgb emission_of(const GridMesh& grid, const MeshSurface& surface, const Vec3& mi
         area += size;
     }
     if (!(area > 0.0)) return Rgb(0.0f);
-    return Rgb(sum / area * cover_around(grid, surface, place / area, glowing));
+    const Glow glow = glow_around(grid, surface, place / area, glowing);
+    const double share = std::min(1.0, area / glow.area);
+    return Rgb(sum / area * (glow.cover * (glow.cover + (1.0 - glow.cover) * share)));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 // texels smaller than a voxel are neither missed nor spread, times how much of the voxel they
 // cover: the largest of the emitter's six projections along the axes, within a voxel's box around
 // its middle, over 3/4 (a plane through the middle of a box covers at least that of it), 1 at most.
-// So an extended emitter keeps its radiance and a small one its power, to a third.
+// So an extended emitter keeps its radiance and a small one its power, within a factor of two.
 #pragma once
 
 #include <optional>

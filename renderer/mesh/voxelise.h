@@ -23,8 +23,6 @@ struct VoxeliseParams {
     double voxel_size_m = 1.0;
     /// Where voxel (0, 0, 0) begins; by default as in grid_mesh.h.
     std::optional<Vec3> corner_m;
-    /// Fills what is closed in (solid_fill.h).
-    bool solid = false;
     uint64_t max_voxels = uint64_t{1} << 31;
     uint64_t max_memory_bytes = uint64_t{16} << 30;
     /// Points of the surface of which it is checked that they lie in a voxel.
@@ -34,7 +32,6 @@ struct VoxeliseParams {
 struct VoxeliseReport {
     uint64_t triangles = 0;
     uint64_t voxels = 0;
-    uint64_t filled_voxels = 0;  // of these, with `solid`
     double seconds = 0.0;
     uint64_t peak_bytes = 0;  // largest sum of its own buffers, the mesh not included
     /// Of points drawn on the surface (by area, not in holes): how many were looked at, and how
@@ -43,7 +40,7 @@ struct VoxeliseReport {
     uint64_t uncovered_points = 0;
     /// The Hausdorff distance between surface and voxels is at most this: no point of a voxel is
     /// farther than half its diagonal from its middle, and the surface from the middle is measured
-    /// for every voxel (filled ones are not asked). Infinite where a point is uncovered.
+    /// for every voxel. Infinite where a point is uncovered.
     double hausdorff_m = 0.0;
     double voxel_diagonal_m = 0.0;
 };

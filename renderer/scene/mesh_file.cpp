@@ -107,7 +107,6 @@ MeshFile read_mesh_file(ObjectReader& scene, MeshFormat format,
     if (format == MeshFormat::kObj && scene.has("materials")) {
         file.materials = read_file_name(scene, "materials");
     }
-    file.solid = scene.boolean("solid", false);
     return file;
 }
 

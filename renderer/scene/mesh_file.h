@@ -26,7 +26,6 @@ struct MeshFile {
     MeshFormat format = MeshFormat::kGltf;
     std::filesystem::path path;
     std::optional<std::string> materials;  // of OBJ: the MTL file to take, in the same folder
-    bool solid = false;                    // fills what is closed in
     bool z_up = false;                     // of OBJ and NFF
     double unit_m = 1.0;
     double emission_scale = 1.0;  // of glTF and OBJ: W·m⁻²·sr⁻¹ per unit of emission

@@ -79,7 +79,7 @@ World make_mesh_world(const MeshFile& file) {
     world.voxel_size_m = size_m;
     world.warnings = std::move(mesh.warnings);
     try {
-        VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = size_m, .solid = file.solid});
+        VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = size_m});
         world.tree = std::move(made.tree);
         world.lowest = made.corner_m / size_m;
         world.mesh = {made.report, mesh.materials.size(), mesh.textures.size(), mesh.suns};

@@ -150,6 +150,8 @@ DensityGrid::DensityGrid(const BuildParams& params, const FillBrick& fill)
 DensityGrid::DensityGrid(Arrays arrays)
     : low_(arrays.low),
       cells_(arrays.cells),
+      origin_(arrays.low),
+      extent_(arrays.cells),
       table_(std::move(arrays.table)),
       constants_(std::move(arrays.constants)),
       float_(std::move(arrays.floats)),

@@ -187,5 +187,31 @@ TEST_F(MeshFileTest, NffScenes) {
     EXPECT_GT(mesh_voxel_size_m(file, mesh), 0.0);
 }
 
+// A wall of 8 × 4 m without thickness, lit by itself: 9 × 5 voxels of 1 m in one layer.
+TEST_F(MeshFileTest, ASceneOfAMeshIsItsVoxelsAlsoOutOfTheCache) {
+    write("m.mtl", "newmtl lamp\nKd 0.5 0.25 1\nKe 2 4 8\n");
+    write("m.obj", "mtllib m.mtl\nv 0 0 3\nv 8 0 3\nv 8 4 3\nv 0 4 3\nusemtl lamp\nf 1 2 3 4\n");
+    const SceneFile file =
+        scene(R"("type": "obj", "file": "m.obj", "voxel_size_m": 1, "emission_scale": 10)");
+    EXPECT_TRUE(is_foreign(file));
+    const std::filesystem::path cache = folder_ / "cache";
+    import_scene(file, cache);
+    const std::optional<Scene> cached = find_cached_scene(file, cache);
+    ASSERT_TRUE(cached);
+    const Scene loaded = load_scene(file);
+    for (const Scene* world : {&*cached, &loaded}) {
+        EXPECT_EQ(world->tree.voxel_count(), 45U);
+        EXPECT_EQ(world->corner_m, Vec3(-0.5, -0.5, 2.5));
+        ASSERT_TRUE(world->mesh);
+        EXPECT_EQ(world->mesh->voxels.triangles, 2U);
+        EXPECT_EQ(world->mesh->voxels.uncovered_points, 0U);
+        EXPECT_LE(world->mesh->voxels.hausdorff_m, world->mesh->voxels.voxel_diagonal_m);
+        EXPECT_TRUE(world->emits());
+        EXPECT_TRUE(world->inside_voxel({4.0, 2.0, 3.0}));
+        EXPECT_FALSE(world->inside_voxel({4.0, 2.0, 4.0}));
+    }
+    EXPECT_TRUE(loaded.tree == cached->tree);
+}
+
 }  // namespace
 }  // namespace probebake

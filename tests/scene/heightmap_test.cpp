@@ -137,7 +137,8 @@ TEST(Heightmap, EveryDamagedByteIsNoticed) {
 class HeightmapSceneTest : public testing::Test {
   protected:
     void SetUp() override {
-        folder_ = std::filesystem::path(testing::TempDir()) / "probebake-heightmap";
+        const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+        folder_ = std::filesystem::path(testing::TempDir()) / ("probebake-heightmap-" + test);
         std::filesystem::remove_all(folder_);
         std::filesystem::create_directories(folder_);
     }

@@ -17,7 +17,7 @@ namespace {
 class MeshFileTest : public testing::Test {
   protected:
     MeshFileTest()
-        : folder_(std::filesystem::path(testing::TempDir()) /
+        : folder_(std::filesystem::path(testing::TempDir()) / "probebake-mesh-file" /
                   testing::UnitTest::GetInstance()->current_test_info()->name()) {
         std::filesystem::remove_all(folder_);
         std::filesystem::create_directories(folder_ / "parts");

@@ -10,7 +10,7 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <memory>
 
 #include "track/track.h"
 #include "volume/media.h"
@@ -57,29 +57,29 @@ class MediaLine {
     MediaLine(const Media& media, const Ray& ray_m, const TRange& range)
         : media_(media.all()), count_(media_.size()), t_(range.begin), end_(range.end) {
         for (size_t k = 0; k < count_; ++k) {
-            parts_[k].emplace(media_[k], ray_m, range);
-            if (count_ > 1) there_[k] = parts_[k]->cursor.next(pieces_[k]);
+            std::construct_at(&slots_[k].part, media_[k], ray_m, range);
+            if (count_ > 1) there_[k] = part(k).cursor.next(pieces_[k]);
         }
     }
 
     bool next(Segment<N>& segment) {
         if (count_ == 1) {
-            if (!parts_[0]->cursor.next(pieces_[0])) return false;
+            if (!part(0).cursor.next(pieces_[0])) return false;
             segment.t0 = pieces_[0].t0;
             segment.t1 = pieces_[0].t1;
-            segment.least = parts_[0]->unit * pieces_[0].least;
-            segment.most = parts_[0]->unit * pieces_[0].most;
+            segment.least = part(0).unit * pieces_[0].least;
+            segment.most = part(0).unit * pieces_[0].most;
             return true;
         }
         return next_of_several(segment);
     }
 
     Coefficients<N> at(double t) {
-        if (count_ == 1) return parts_[0]->unit * look_up(0, t);
+        if (count_ == 1) return part(0).unit * look_up(0, t);
         Coefficients<N> sum;
         for (size_t k = 0; k < count_; ++k) {
             if (active(k)) {
-                sum += parts_[k]->unit * look_up(k, t);
+                sum += part(k).unit * look_up(k, t);
             } else {
                 densities_[k] = 0.0;
             }
@@ -93,7 +93,7 @@ class MediaLine {
         for (size_t k = 0; k < count_; ++k) {
             if (!(densities_[k] > 0.0)) continue;
             sum += media_[k].unit.absorption * media_[k].source *
-                   (densities_[k] * parts_[k]->cursor.emission_scale(t));
+                   (densities_[k] * part(k).cursor.emission_scale(t));
         }
         return sum;
     }
@@ -134,13 +134,15 @@ class MediaLine {
     /// The density of a medium, within the bounds of its piece.
     double look_up(size_t k, double t) {
         const DensitySegment& piece = pieces_[k];
-        const double exact = parts_[k]->cursor.density(t);
+        const double exact = part(k).cursor.density(t);
         const double d = std::clamp(exact, piece.least, piece.most);
         densities_[k] = d;
         // Leaves end at rounded t: a look-up may lie a rounding error beside its leaf.
         if (exact != d && std::abs(exact - d) > 1e-6 * (1.0 + piece.most)) ++unbounded_;
         return d;
     }
+    Part& part(size_t k) { return slots_[k].part; }
+    const Part& part(size_t k) const { return slots_[k].part; }
     bool active(size_t k) const { return count_ == 1 || (there_[k] && pieces_[k].t0 <= from_); }
 
     bool next_of_several(Segment<N>& segment) {
@@ -148,7 +150,7 @@ class MediaLine {
         bool any = false;
         for (size_t k = 0; k < count_; ++k) {
             while (there_[k] && !(pieces_[k].t1 > t_))
-                there_[k] = parts_[k]->cursor.next(pieces_[k]);
+                there_[k] = part(k).cursor.next(pieces_[k]);
             if (!there_[k]) continue;
             any = true;
             to = std::min(to, pieces_[k].t0 > t_ ? pieces_[k].t0 : pieces_[k].t1);
@@ -160,8 +162,8 @@ class MediaLine {
         from_ = t_;
         for (size_t k = 0; k < count_; ++k) {
             if (!active(k)) continue;
-            segment.least += parts_[k]->unit * pieces_[k].least;
-            segment.most += parts_[k]->unit * pieces_[k].most;
+            segment.least += part(k).unit * pieces_[k].least;
+            segment.most += part(k).unit * pieces_[k].most;
         }
         t_ = to;
         return true;
@@ -169,8 +171,14 @@ class MediaLine {
 
     const std::vector<Medium>& media_;
     size_t count_;
-    // Only those of the media that are there are made: a line is made for every flight.
-    std::array<std::optional<Part>, kMaxMedia> parts_;
+    // Only those of the media that are there are made, and nothing is zeroed: a line is made for
+    // every flight.
+    union Slot {
+        Slot() {}
+        Part part;
+    };
+    static_assert(std::is_trivially_destructible_v<Part>);
+    std::array<Slot, kMaxMedia> slots_;
     std::array<DensitySegment, kMaxMedia> pieces_;
     std::array<bool, kMaxMedia> there_{};  // whether the piece is one
     Densities densities_{};                // of the last look-up

@@ -76,6 +76,8 @@ StabilityReport run_stability_study(const std::filesystem::path& out,
     add(media_cases());
     on_progress("voxels");
     add(voxel_cases());
+    on_progress("input");
+    add(input_cases());
     write_file_atomically(out / "stability.csv", report.table.csv());
     write_file_atomically(out / "stability.md", report.table.markdown());
     return report;

@@ -41,6 +41,10 @@ StabilityCase at_least(std::string name, std::string checked, double value, doub
 std::vector<StabilityCase> media_cases();
 std::vector<StabilityCase> furnace_cases();
 std::vector<StabilityCase> voxel_cases();
+/// Of numbers that are none, wherever a request or a file may hold one; those of .vdb files
+/// included.
+std::vector<StabilityCase> input_cases();
+std::vector<StabilityCase> vdb_cases();
 
 struct StabilityReport {
     study::TextTable table;

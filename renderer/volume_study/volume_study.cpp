@@ -5,6 +5,7 @@
 
 #include "io/file.h"
 #include "volume_study/depth_tables.h"
+#include "volume_study/emitters.h"
 #include "volume_study/figures.h"
 #include "volume_study/probes.h"
 #include "volume_study/tracker_tables.h"
@@ -12,8 +13,9 @@
 namespace probebake::volume_study {
 
 const std::vector<std::string>& experiment_names() {
-    static const std::vector<std::string> names = {"depth",    "efficiency", "control", "figure_4",
-                                                   "figure_6", "figure_7",   "curves",  "probes"};
+    static const std::vector<std::string> names = {"depth",    "efficiency", "control",
+                                                   "figure_4", "figure_6",   "figure_7",
+                                                   "curves",   "probes",     "emitters"};
     return names;
 }
 
@@ -55,6 +57,7 @@ std::vector<study::TextTable> run_volume_study(
         tables.push_back(schemes_table(clouds.front(), figure));
     }
     if (wanted("curves")) tables.push_back(curve_table(clouds.front(), figure, on_progress));
+    if (wanted("emitters")) tables.push_back(emitter_table(params.samples, on_progress));
     if (wanted("probes")) tables.push_back(probe_table(clouds.front(), params.out, on_progress));
 
     std::string report = "# Media: trackers and octrees\n\n";

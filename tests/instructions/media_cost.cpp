@@ -1,9 +1,10 @@
 // What check_media_cost.py counts the instructions of: one cloud, flown by the instance that a gray
 // medium without absorption and emission gets, and by the one that can do everything.
 //
-//   media_cost leaf|flights|paths gray|general|full NUMBER DEPTH
+//   media_cost leaf|rays|flights|paths gray|general|full NUMBER DEPTH
 //
 // leaf     flights through one leaf of a ramp, no grid, no octree
+// rays     the rays of the two below, drawn and nothing else
 // flights  rays at the cloud, each to its first collision or out of it: line, octree, look-ups
 // paths    whole paths under sun and sky, over an empty world
 //
@@ -91,6 +92,16 @@ void fly(int number, MakeLine make_line, Emitted emitted) {
                 static_cast<double>(count.leaves) / n, sum);
 }
 
+/// What the others' rays cost, which is no part of an instance.
+void draw_rays(int number) {
+    double sum = 0.0;
+    for (int i = 0; i < number; ++i) {
+        RandomStream random(random_key({1, static_cast<uint64_t>(i)}));
+        sum += ray_at_cloud(random).origin.x;
+    }
+    std::printf("0 lookups, 0 leaves (%g)\n", sum);
+}
+
 template <class Instance>
 void paths(const Media& media, int number) {
     const VoxelTree tree = VoxelTree::build({.depth = 2});
@@ -126,6 +137,10 @@ void run(const std::string& what, bool full, int number, int depth) {
         return;
     }
     const Media media = cloud(full, depth);
+    if (what == "rays") {
+        draw_rays(number);
+        return;
+    }
     if (what == "paths") {
         paths<Instance>(media, number);
         return;

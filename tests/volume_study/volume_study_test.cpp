@@ -109,6 +109,14 @@ TEST_F(VolumeStudy, TrackersCompareAsPublished) {
     }
 }
 
+TEST_F(VolumeStudy, RaysToEmittersAreComparedWithChance) {
+    const auto tables = run({"emitters"});
+    const study::TextTable& table = named(tables, "emitters");
+    ASSERT_EQ(table.rows.size(), 12u);
+    for (size_t row = 0; row < 10; ++row) EXPECT_GT(number(table, row, "cost, counted"), 1.0);
+    EXPECT_EQ(table.rows[11].back(), "left out");
+}
+
 TEST_F(VolumeStudy, PicturesGetWorseAsPublished) {
     const auto tables = run({"figure_6", "figure_7"});
     const study::TextTable& unbounded = named(tables, "figure_6");

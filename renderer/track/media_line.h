@@ -174,7 +174,7 @@ class MediaLine {
     // Only those of the media that are there are made, and nothing is zeroed: a line is made for
     // every flight.
     union Slot {
-        Slot() {}
+        Slot() {}  // NOLINT(modernize-use-equals-default): that would be deleted
         Part part;
     };
     static_assert(std::is_trivially_destructible_v<Part>);

@@ -149,8 +149,7 @@ class MediaLine {
         double to = end_;
         bool any = false;
         for (size_t k = 0; k < count_; ++k) {
-            while (there_[k] && !(pieces_[k].t1 > t_))
-                there_[k] = part(k).cursor.next(pieces_[k]);
+            while (there_[k] && !(pieces_[k].t1 > t_)) there_[k] = part(k).cursor.next(pieces_[k]);
             if (!there_[k]) continue;
             any = true;
             to = std::min(to, pieces_[k].t0 > t_ ? pieces_[k].t0 : pieces_[k].t1);
@@ -174,7 +173,7 @@ class MediaLine {
     // Only those of the media that are there are made, and nothing is zeroed: a line is made for
     // every flight.
     union Slot {
-        Slot() {}
+        Slot() {}  // NOLINT(modernize-use-equals-default): that would be deleted
         Part part;
     };
     static_assert(std::is_trivially_destructible_v<Part>);

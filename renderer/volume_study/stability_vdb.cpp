@@ -49,8 +49,8 @@ std::vector<StabilityCase> vdb_cases() {
             map(entry / 4, entry % 4) = double{bad};
             auto moved = grid_with(0.5f);
             try {
-                moved->setTransform(openvdb::math::Transform::Ptr(new openvdb::math::Transform(
-                    openvdb::math::MapBase::Ptr(new openvdb::math::AffineMap(map)))));
+                moved->setTransform(std::make_shared<openvdb::math::Transform>(
+                    openvdb::math::MapBase::Ptr(std::make_shared<openvdb::math::AffineMap>(map))));
             } catch (const std::exception&) {
                 continue;  // nor has it such a map
             }

@@ -1,8 +1,7 @@
 #include "jobs/scene_uploads.h"
 
 #include <fcntl.h>
-#include <stdio.h>  // renameat2, RENAME_EXCHANGE
-
+#include <cstdio>  // renameat2, RENAME_EXCHANGE
 #include <utility>
 
 #include "io/io_error.h"

@@ -2,8 +2,8 @@
 //
 // A scene with media shows them in every state but `albedo`, which is reflectance: their pixels are
 // means of volumetric paths (scatter/path_tracer.h), whose number goes where the variance is. Sun,
-// sky and emissive voxels are met by the paths themselves: no light is computed per face. Rays go to
-// emissive voxels where the pilot finds variance × cost smaller with them.
+// sky and emissive voxels are met by the paths themselves: no light is computed per face. Rays go
+// to emissive voxels where the pilot finds variance × cost smaller with them.
 #pragma once
 
 #include <memory>

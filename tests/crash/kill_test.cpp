@@ -207,7 +207,7 @@ TEST_F(KillTest, C1_AtlasesOfAKilledJobAreThoseOfAnUndisturbedOne) {
     const auto expected = files_of(whole);
     ASSERT_EQ(expected.size(), 16U + 2);
     const std::string id = *submit(request);
-    for (const uint64_t done : {1, 7, 12, 16}) {
+    for (const uint64_t done : {uint64_t{1}, uint64_t{7}, uint64_t{12}, uint64_t{16}}) {
         for (Json bake = *get("/v1/bakes/" + id);
              !bake.contains("ended_at") && bake.at("progress").at("units_done") < done;) {
             bake = *get("/v1/bakes/" + id);

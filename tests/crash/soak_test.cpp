@@ -94,7 +94,7 @@ TEST(Soak, C13_MemoryAndFilesStayAsTheyAre) {
     }
     ASSERT_TRUE(service.running()) << service.process().err();
     const double growth = slope(hours, megabytes);
-    const size_t third = files.size() / 3;
+    const auto third = static_cast<std::ptrdiff_t>(files.size() / 3);
     const size_t most_early = *std::max_element(files.begin(), files.begin() + third);
     const size_t most_late = *std::max_element(files.end() - third, files.end());
     std::cout << seconds << " s, " << jobs << " jobs: " << growth << " MB/h at " << megabytes.back()

@@ -158,7 +158,8 @@ EmitterPilot choose_emitters(const ScatterScene& scene, const TrackerChoice& cho
         const Vec3 d = radiance[0] - radiance[1];
         pairs += mean_of(d * d);
     }
-    const auto paths = static_cast<double>(params.paths / 2 * 2);
+    const int pair_count = params.paths / 2;
+    const double paths = 2.0 * pair_count;
     out.variance_sampled = pairs / paths;
     out.variance_found = std::max(0.0, out.variance_sampled + difference / paths);
     const double tree_steps =

@@ -85,7 +85,7 @@ TEST_F(SceneImportTest, MemoryAndTimeAreLimited) {
     GTEST_SKIP() << "sanitizers need more address space than any limit leaves";
 #endif
     std::vector<test::VoxelRow> block;
-    block.reserve(60 * 60 * 60);
+    block.reserve(size_t{60} * 60 * 60);
     for (int i = 0; i < 60 * 60 * 60; ++i) {
         block.push_back({static_cast<uint8_t>(i % 60), static_cast<uint8_t>(i / 60 % 60),
                          static_cast<uint8_t>(i / 3600), 1});

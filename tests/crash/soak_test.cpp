@@ -102,11 +102,11 @@ TEST(Soak, C13_MemoryAndFilesStayAsTheyAre) {
               << most_late << " in the last\n";
     // 32 connections at most, 4 pinned files each: whatever leaks goes beyond that.
     EXPECT_LE(most_late, most_early + 16);
-    // A few seconds cannot tell a megabyte per hour: they tell a leak of 50 KB per job.
+    // A few seconds cannot tell a megabyte per hour: they tell a leak of 50 KB per job, or where a
+    // busy machine does few jobs, 10 MB in all, as threads' heaps still fill.
     const bool long_form = seconds >= 600;
-    if (!test::sanitized()) {
-        EXPECT_LT(growth, long_form ? 1.0 : 0.05 * static_cast<double>(jobs) * 3600.0 / seconds);
-    }
+    const double short_bound = std::max(10.0, 0.05 * static_cast<double>(jobs)) * 3600.0 / seconds;
+    if (!test::sanitized()) EXPECT_LT(growth, long_form ? 1.0 : short_bound);
 }
 
 }  // namespace

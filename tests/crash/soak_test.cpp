@@ -106,7 +106,9 @@ TEST(Soak, C13_MemoryAndFilesStayAsTheyAre) {
     // busy machine does few jobs, 10 MB in all, as threads' heaps still fill.
     const bool long_form = seconds >= 600;
     const double short_bound = std::max(10.0, 0.05 * static_cast<double>(jobs)) * 3600.0 / seconds;
-    if (!test::sanitized()) EXPECT_LT(growth, long_form ? 1.0 : short_bound);
+    if (!test::sanitized()) {
+        EXPECT_LT(growth, long_form ? 1.0 : short_bound);
+    }
 }
 
 }  // namespace

@@ -258,7 +258,9 @@ class MediaPilot {
     /// far as they may cost.
     std::vector<int> curve_paths(const Pilot& pilot) const {
         const double noise = pilot.settings.noise;
-        const double wanted = noise > kNoNoise * pilot.exposure ? needed(noise) : kLeastPaths;
+        const bool irradiance = wants_leaf_rays_only(job_);
+        const double few = irradiance ? pilot.settings.samples : kLeastPaths;
+        const double wanted = noise > kNoNoise * pilot.exposure ? needed(noise) : few;
         const double states = static_cast<double>(job_.states.size());
         const double expected = wanted * static_cast<double>(pixel_count(job_)) / states;
         const double most =
@@ -273,7 +275,6 @@ class MediaPilot {
     }
 
     void measure_curve(Pilot& pilot) {
-        if (wants_leaf_rays_only(job_)) return;
         const std::vector<int> points = curve_paths(pilot);
         trace_truth(std::max(kFirstPaths, points.back()), pilot.search_cost);
         std::vector<std::vector<Rgb>> colors(points.size(), std::vector<Rgb>(places_.size()));
@@ -297,6 +298,7 @@ class MediaPilot {
             }
             stats += cost_of(count);
         });
+        IrradianceNorms norms;
         for (size_t p = 0; p < points.size(); ++p) {
             CurvePoint point;
             point.settings = {.kind = RendererKind::kPaths, .samples = points[p]};
@@ -306,13 +308,40 @@ class MediaPilot {
             point.steps = cost.steps;
             point.seconds = cost.seconds;
             Moments moments;
+            std::vector<NoisyPixel> noise;
             for (size_t i = 0; i < places_.size(); ++i) {
-                moments.add(weight(places_[i]) *
-                            squared_error(colors[p][i], paths_[i].truth, pilot.exposure));
+                const Place& at = places_[i];
+                const double error = squared_error(colors[p][i], paths_[i].truth, pilot.exposure);
+                moments.add(weight(at) * error);
+                noise.push_back({at.probe, at.owner, at.view.face_size_px,
+                                 3.0 * error * pilot.exposure * pilot.exposure});
             }
             point.error.mse = Estimate::of_mean(moments);
+            if (wants_leaf_rays_only(job_)) {
+                if (p == 0) norms = irradiance_norms(noise, pilot.search_cost);
+                point.irradiance_square = expected_irradiance_square(noise, norms);
+            }
             pilot.curve.push_back(point);
         }
+    }
+
+    IrradianceNorms irradiance_norms(const std::vector<NoisyPixel>& sample, CostStats& cost) const {
+        constexpr uint32_t kPaths = 16;
+        IrradianceNorms norms = coarse_irradiance_norms(
+            job_.probes, sample, [&](const CoarsePixel& at, CostStats& stats) {
+                cancel_.throw_if_cancelled();
+                const VolumeView view = volume_view(scene_, at.probe, 0);
+                PathCount count;
+                Vec3 sum(0.0);
+                for (uint32_t k = 0; k < kPaths; ++k) {
+                    sum +=
+                        pixel_path(*tracer_, view, at.pixel, {key(5, at.index), k}, count).radiance;
+                }
+                stats += cost_of(count);
+                return Rgb(sum / double{kPaths});
+            });
+        cost += norms.cost;
+        return norms;
     }
 
     double weight(const Place& place) const {

@@ -30,6 +30,8 @@ constexpr double kUsualRatio = 0.65;
 /// at its end, where a pixel may cost hundreds of rays.
 constexpr size_t kCurveBefore = 4;
 constexpr size_t kCurveBeyond[] = {1, 3};
+/// Of leaf rays only: points after the first.
+constexpr size_t kFinerLeafPoints = 3;
 
 /// Whether a ray limit leaves out what promises least.
 bool spends_where_it_counts(const RenderSettings& settings) {
@@ -340,6 +342,13 @@ void begin_with_one_ray(Pilot& pilot) {
     }
 }
 
+/// One leaf ray, and the first that are finer.
+std::vector<RenderSettings> curve_settings(const Pilot& leaf_rays) {
+    std::vector<RenderSettings> settings{leaf_rays.settings};
+    for (size_t i = 0; i < kFinerLeafPoints; ++i) settings.push_back(leaf_rays.finer[i].settings);
+    return settings;
+}
+
 }  // namespace
 
 Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
@@ -365,6 +374,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
         measured = {pilot.settings};
     } else if (plan.leaf_rays_only) {
         begin_with_one_ray(pilot);
+        measured = curve_settings(pilot);
     } else if (plan.needs_pilot) {
         const auto [frontier, chosen] = Search(job, plan, pixels, time, out_of_time).run(pilot);
         measured = curve_settings(frontier, chosen, pilot.settings);
@@ -385,7 +395,8 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
             pilot.curve.push_back(pixels.replayed(settings));
             continue;
         }
-        pilot.curve.push_back(pixels.render(settings));
+        pilot.curve.push_back(settings.shifted_grid ? pixels.render_leaf_rays(settings)
+                                                    : pixels.render(settings));
         const CurvePoint& point = pilot.curve.back();
         pilot.curve_cost.rays += point.rays;
         pilot.curve_cost.steps += point.steps;

@@ -52,7 +52,7 @@ struct Pilot {
     std::vector<FinerSettings> finer;
     /// One per target of the job (none for irradiance), where probes are steered; else empty.
     std::vector<std::optional<Steering>> steering;
-    /// From LOD only to beyond the target, cheapest first; empty for leaf rays only.
+    /// From LOD only (leaf rays only: from one ray) to beyond the target, cheapest first.
     std::vector<CurvePoint> curve;
     uint64_t pixels = 0;      // of the sample
     uint64_t candidates = 0;  // compared

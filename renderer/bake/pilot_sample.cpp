@@ -19,6 +19,8 @@ constexpr uint64_t kMaxProbes = 64;
 constexpr uint64_t kMinPixels = 384;
 constexpr uint64_t kMaxPixels = 4096;
 constexpr uint64_t kTexelsPerPixel = 200;
+/// Where pixels only show exposure and curve.
+constexpr uint64_t kTexelsPerLeafPixel = 800;
 constexpr uint64_t kMinWindows = 12;
 constexpr uint64_t kMaxWindows = 48;
 /// Largest standard error that the truth's noise may give the mean squared error, as a share of
@@ -29,7 +31,8 @@ constexpr double kTruthNoiseShare = 0.25;
 
 uint64_t pilot_pixels(const JobSpec& job) {
     const uint64_t texels = texel_count(job) / job.states.size();
-    return std::min(texels, std::clamp(texels / kTexelsPerPixel, kMinPixels, kMaxPixels));
+    const uint64_t per_pixel = wants_leaf_rays_only(job) ? kTexelsPerLeafPixel : kTexelsPerPixel;
+    return std::min(texels, std::clamp(texels / per_pixel, kMinPixels, kMaxPixels));
 }
 
 PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState state,
@@ -40,7 +43,7 @@ PilotSample::PilotSample(const Scene& scene, const JobSpec& job, ReadyState stat
     const QualityTarget& target = job.quality.targets.front();
     const bool of_error = target.metric == QualityTarget::Metric::kPsnrDb ||
                           target.metric == QualityTarget::Metric::kRmse;
-    if (wants_leaf_rays_only(job)) {  // all that is wanted of the sample is the exposure
+    if (wants_leaf_rays_only(job)) {  // nothing is searched
         truth_grid_ = irradiance_truth_grid(1);
         if (!job.quality.exposure) cast_truth();
         set_exposure();
@@ -271,6 +274,63 @@ CurvePoint PilotSample::render(const RenderSettings& settings) {
         colors[at.index] = render_pixel().mean();
     });
     return {settings, cost.all_rays(), cost.steps, cost.seconds, measure(sample_, colors)};
+}
+
+/// The same pixel as uniform leaf rays show it whose shift is independent of theirs; or what it is
+/// measured against, where that is given.
+Rgb PilotSample::other_leaf_rays(const Target& at, int leaf_grid, CostStats& stats) const {
+    if (job_.quality.against == Against::kReference) {
+        return uniform_pixel(at.scene, at.view, at.owner.x, at.owner.y, 4, stats).mean();
+    }
+    RandomStream random(
+        random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kPilotTruth),
+                    stream_of(state_.spec), static_cast<uint64_t>(leaf_grid), at.index, 1}));
+    const double shift_x = random.uniform() - 0.5;
+    const RayGrid grid(leaf_grid, {shift_x, random.uniform() - 0.5});
+    return uniform_pixel(at.scene, at.view, at.owner.x, at.owner.y, grid, stats).mean();
+}
+
+const IrradianceNorms& PilotSample::irradiance_norms(const std::vector<NoisyPixel>& sample) {
+    if (norms_) return *norms_;
+    const auto see = [&](const CoarsePixel& at, CostStats& stats) {
+        cancel_.throw_if_cancelled();
+        const RenderScene scene = render_scene(scene_, at.probe, state_);
+        const View view = face_view(scene_, at.probe, at.pixel.face);
+        return uniform_pixel(scene, view, at.pixel.x, at.pixel.y, 1, stats).mean();
+    };
+    norms_ = coarse_irradiance_norms(job_.probes, sample, see);
+    search_cost_ += norms_->cost;
+    return *norms_;
+}
+
+CurvePoint PilotSample::render_leaf_rays(const RenderSettings& settings) {
+    std::vector<Rgb> colors(places_.size());
+    std::vector<Rgb> others(places_.size());
+    const int side = settings.leaf_grid;
+    const CostStats cost = for_each_pixel([&](const Target& at, CostStats& stats) {
+        const RayGrid grid(side, grid_shift(at.owner.x, at.owner.y));
+        colors[at.index] =
+            uniform_pixel(at.scene, at.view, at.owner.x, at.owner.y, grid, stats).mean();
+    });
+    search_cost_ += for_each_pixel([&](const Target& at, CostStats& stats) {
+        others[at.index] = other_leaf_rays(at, side, stats);
+    });
+    // Both differ from the truth by as much, but for a reference, which counts as the truth.
+    const double share = job_.quality.against == Against::kReference ? 1.0 : 0.5;
+    Moments moments;
+    std::vector<NoisyPixel> noise;
+    for (size_t i = 0; i < places_.size(); ++i) {
+        const auto& [probe, pixel] = places_[i];
+        const Vec3 difference = Vec3(colors[i]) - Vec3(others[i]);
+        const double variance = share * glm::dot(difference, difference);
+        const double exposure2 = sample_.exposure * sample_.exposure;
+        moments.add(sample_.pixels[i].weight * variance / (3.0 * exposure2));
+        noise.push_back({probe, pixel, job_.probes[probe].face_size_px, variance});
+    }
+    CurvePoint point{settings, cost.all_rays(), cost.steps, cost.seconds, {}, {}};
+    point.error.mse = Estimate::of_mean(moments);
+    point.irradiance_square = expected_irradiance_square(noise, irradiance_norms(noise));
+    return point;
 }
 
 }  // namespace probebake

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "bake/irradiance_noise.h"
 #include "bake/probe_view.h"
 #include "bake/quality_search.h"
 #include "io/cancel.h"
@@ -16,6 +17,8 @@ struct CurvePoint {
     uint64_t steps = 0;
     double seconds = 0.0;  // of one thread
     MeasuredError error;
+    /// Of irradiance_rel, where pixels err independently (irradiance_noise.h).
+    std::optional<Estimate> irradiance_square;
 };
 
 /// How many pixels the pilot of one state draws.
@@ -43,6 +46,9 @@ class PilotSample {
 
     /// Renders every pixel and measures the error.
     CurvePoint render(const RenderSettings& settings);
+    /// Leaf rays with shifted grids, for jobs of irradiance alone: renders every pixel twice, with
+    /// different shifts, and takes what the two differ by for their errors.
+    CurvePoint render_leaf_rays(const RenderSettings& settings);
 
     const SearchSample& sample() const { return sample_; }
     /// Rays per side of r1 and of r2: the fewest of kTruthGrids whose noise leaves the error that
@@ -69,6 +75,8 @@ class PilotSample {
     void cast_truth();
     void set_exposure();
     double truth_noise() const;
+    Rgb other_leaf_rays(const Target& target, int leaf_grid, CostStats& stats) const;
+    const IrradianceNorms& irradiance_norms(const std::vector<NoisyPixel>& sample);
     static void record_timed_stage(const HybridCast& cast, HybridRecord& record, CostStats& stats);
     double contrast_at(const Target& target, CostStats& stats) const;
     double variation_at(const Target& target, CostStats& stats) const;
@@ -80,6 +88,7 @@ class PilotSample {
     const ReadyState state_;
     const CancelToken& cancel_;
     std::vector<Place> places_;
+    std::optional<IrradianceNorms> norms_;
     SearchSample sample_;
     int truth_grid_ = kTruthGrids.front();
     double recorded_price_ = std::numeric_limits<double>::infinity();

@@ -51,7 +51,6 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
         leave("refinement ladder",
               "the target is irradiance: errors of single pixels average out over the sphere");
         leave("LOD colours", "leaf rays show voxels");
-        leave("curve", "a sample of pixels does not tell the irradiance's error");
     } else if (!plan.needs_pilot) {
         leave("quality search", "the job brings its own settings");
     }

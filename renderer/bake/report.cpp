@@ -116,6 +116,12 @@ Json write_curve(const Pilot& pilot, double confidence) {
                      {"steps", point.steps},
                      {"seconds", point.seconds}};
         json["error"] = write_error(point.error, confidence);
+        if (point.irradiance_square) {
+            const ErrorFigures figures = figures_of(*point.irradiance_square, confidence);
+            json["error"]["irradiance_rel"] = figures.rmse;
+            json["error"]["irradiance_rel_interval"] = {figures.rmse_interval.low,
+                                                        figures.rmse_interval.high};
+        }
         curve.push_back(std::move(json));
     }
     return curve;

@@ -80,6 +80,7 @@ Measure measure_of(const Json& target) {
     if (metric == "rmse") return {"rmse", "RMSE", value, label};
     if (metric == "rel_mse") return {"rel_mse", "rel_mse", value, label};
     if (metric == "ssim") return {"ssim", "1 − SSIM", 1.0 - value, label};
+    if (metric == "irradiance_rel") return {metric, metric, value, label};
     return {"rmse", "RMSE", 0.0, {}};  // of rays: nothing to reach
 }
 

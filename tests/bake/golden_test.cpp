@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "8372 0 2737 56141 92707 0 2087 147584 8557715311679284690"},
         GoldenCase{"Irradiance",
                    R"({"quality": {"targets": {"psnr_db": null, "irradiance_rel": 0.1}}})",
-                   "12168 0 5128 159851 0 27177 31707 9710 6478993847539340985"}),
+                   "12168 0 5128 159851 0 27177 31707 313397 6478993847539340985"}),
     [](const auto& test_case) { return std::string(test_case.param.name); });
 
 }  // namespace

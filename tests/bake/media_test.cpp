@@ -10,6 +10,7 @@
 #include "bake/bake_probe.h"
 #include "bake/report.h"
 #include "image/exr.h"
+#include "image/sh_projection.h"
 #include "scene/generators/cumulus.h"
 
 namespace probebake {
@@ -239,6 +240,39 @@ TEST_F(MediaBake, IrradianceAndSsimAreTargetsToo) {
         const ProbeResult result = bake(job);
         EXPECT_TRUE(bound_meets(job.quality, result.certificate.error, 0.5)) << targets;
     }
+}
+
+TEST_F(MediaBake, CurveOfIrradianceTellsWhatCubemapsAreWrongBy) {
+    const JobSpec job = read_job(day_request({{"irradiance_rel", 0.1}}));
+    const Pilot pilot = this->pilot(job);
+    ASSERT_EQ(pilot.curve.size(), 5u);
+    const CurvePoint& point = pilot.curve[2];
+    ASSERT_TRUE(point.irradiance_square);
+    // Half the squared difference of two independent renders of the same probe.
+    constexpr uint64_t kPairs = 8;
+    Moments squares;
+    for (const ProbeSpec& probe : job.probes) {
+        for (uint64_t pair = 0; pair < kPairs; ++pair) {
+            const auto sh = [&](uint64_t key) {
+                return project_sh(render_through_media(scene_, *pilot.media->tracer,
+                                                       volume_view(scene_, probe, key),
+                                                       point.settings, {}, cancel_)
+                                      .color);
+            };
+            const ShRgb one = sh(2 * pair + 1);
+            ShRgb difference = sh(2 * pair + 2);
+            for (size_t i = 0; i < one.size(); ++i) difference[i] -= one[i];
+            const double relative = irradiance_norm(difference) / irradiance_norm(one);
+            squares.add(relative * relative / 2.0);
+        }
+    }
+    const Estimate found = Estimate::of_mean(squares);
+    const Interval predicted = point.irradiance_square->interval(0.99);
+    std::printf("%d paths: predicted %.5f, found %.5f\n", point.settings.samples,
+                std::sqrt(point.irradiance_square->value), std::sqrt(found.value));
+    EXPECT_LT(found.interval(0.99).low, predicted.high);
+    EXPECT_GT(found.interval(0.99).high, predicted.low);
+    EXPECT_LT(predicted.high, 4.0 * predicted.low);
 }
 
 TEST_F(MediaBake, EmissionIsSeenThroughMedia) {

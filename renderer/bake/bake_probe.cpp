@@ -4,10 +4,10 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/audit_size.h"
 #include "bake/probe_files.h"
 #include "bake/probe_view.h"
 #include "image/exr.h"
-#include "image/ssim.h"
 #include "render/hybrid.h"
 #include "render/hybrid_view.h"
 
@@ -34,10 +34,9 @@ constexpr double kLeafRaysConfidence = 0.7;
 constexpr int kLargestPathGrid = 64;
 constexpr double kIrradiancePaths = 0.6;
 constexpr int kLeastAuditPixels = 12;
-constexpr int kLeastIrradianceDraws = 64;
-constexpr double kMaxIrradianceDraws = 65'536.0;
-constexpr int kMinAuditWindows = 16;
-constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
+/// Of an audit's rays, for pixels, where only windows decide.
+constexpr double kPixelsBesideWindows = 0.2;
+constexpr int kPixelsBesideWindowsAtLeast = 4;
 
 /// Prices are lowered by this factor until a probe's prediction meets its goal.
 constexpr double kPriceStep = 0.9;
@@ -45,6 +44,10 @@ constexpr double kPriceStep = 0.9;
 constexpr double kNextAim = 0.97;
 constexpr double kSmallestStep = 0.25;
 constexpr double kLargestStep = 0.95;
+/// Looks until which a probe is refined where it predicts errors, and there alone; then all its
+/// pixels get so many rays a side, and twice as many with every look.
+constexpr int kPredictedLooks = 3;
+constexpr int kFirstLeastGrid = 4;
 
 class Unit {
   public:
@@ -111,34 +114,44 @@ class Unit {
         return goal;
     }
 
-    /// One cubemap, refined further until its bound meets the target.
+    /// One cubemap, refined further until its bound meets the target. What the first looks do not
+    /// reach is not predicted: it lies in pixels whose few rays all saw the same. Then every pixel
+    /// gets more of them.
     void refine_until_good() {
         HybridCubemap cubemap(render_scene_, origin_, probe_.face_size_px, cancel_);
         const std::vector<double> weights = weights_of_owned_pixels();
         double goal = *first_goal();
         double price = cubemap.largest_gain();
+        RenderSettings settings = hybrid_at(price);
         const double lowest = price * 0x1.0p-60;
         for (;;) {
             double predicted = cubemap.predicted_sum(weights);
             while (predicted > goal && price > lowest) {
                 price *= kPriceStep;
-                cubemap.refine_to(price);
+                cubemap.refine_to(price, settings.least_grid);
                 predicted = cubemap.predicted_sum(weights);
             }
             const bool finest = price <= lowest;
-            if (finest) cubemap.refine_to(price = 0.0);
-            result_.settings = hybrid_at(price);
+            settings.price = finest ? 0.0 : price;
+            cubemap.refine_to(settings.price, settings.least_grid);
+            result_.settings = settings;
             take(cubemap.render());
             if (!audits()) return;
             look();
             if (result_.target_met || result_.looks == kMaxLooks) return;
-            if (finest && !may_look_harder()) return;
+            const bool harder = finest && may_look_harder();
+            const bool everything = finest && settings.least_grid == settings.leaf_grid;
+            if (everything && !harder) return;
             ++result_.looks;
-            if (finest) {
+            if (harder) {
                 audit_effort_ *= kHarderLook;
-            } else {
-                goal = predicted * next_step();
+                continue;
             }
+            if (finest || result_.looks > kPredictedLooks) {
+                settings.least_grid = std::min(settings.leaf_grid, 2 * settings.least_grid);
+                settings.least_grid = std::max(kFirstLeastGrid, settings.least_grid);
+            }
+            goal = predicted * next_step();
         }
     }
 
@@ -177,10 +190,10 @@ class Unit {
 
     /// The upper bound of a target's error that the next look has to bring down.
     std::optional<double> upper_bound(size_t t) const {
+        if (result_.pooled[t]) return result_.pooled[t]->upper;
         const auto size = error_size(job_.quality.targets[t].metric, result_.certificate.error);
         if (!size) return std::nullopt;
-        return result_.pooled[t] ? result_.pooled[t]->upper
-                                 : size->interval(result_.confidence).high;
+        return size->interval(result_.confidence).high;
     }
 
     /// Renders by other renderers, one finer than the other.
@@ -199,7 +212,7 @@ class Unit {
             }
             if (!audits()) return;
             look();
-            if (result_.target_met || !may_look_again(next)) return;
+            if (result_.target_met || !may_look_again()) return;
             if (as_good_as_met()) {
                 if (may_be_pooled()) return;
                 ++result_.looks;
@@ -207,6 +220,7 @@ class Unit {
                 fresh = false;
                 continue;
             }
+            if (next == pilot_.finer.size()) return;
             fresh = true;
             next = next_finer(next, result_.certificate.error);
             result_.earlier_renders += render_.total();
@@ -221,13 +235,13 @@ class Unit {
                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
     }
     /// Where the mean of all probes may speak for a probe, it need not be sure itself.
-    bool may_be_pooled() const { return probes_to_learn_from(job_) > 0; }
+    bool may_be_pooled() const { return !through_media() && probes_to_learn_from(job_) > 0; }
 
-    bool may_look_again(size_t next) const {
+    bool may_look_again() const {
         return !params_.out_of_time && !render_.limited &&
                pilot_.expectation == Expectation::kTargetMet &&
                !only_target(job_.quality, QualityTarget::Metric::kRays) &&
-               result_.looks < kMaxLooks && next < pilot_.finer.size();
+               result_.looks < kMaxLooks;
     }
 
     /// The first finer candidate that promises to make up for what the look found missing.
@@ -306,11 +320,14 @@ class Unit {
         if (!ratio || !pilot_.steering[t]) {
             return own_meets ? EvidenceOf::kProbe : EvidenceOf::kNone;
         }
+        const double allowed = *largest_size(target);
         const ErrorPrior& prior = pilot_.steering[t]->prior;
         audits_[t] = with_further_audit(audits_[t], *ratio);
         const PooledError pooled =
             pooled_error(prior, audits_[t], job_.quality.evidence.confidence);
         result_.pooled[t] = pooled;
+        if (ratio->draws == 0)
+            return pooled.upper <= allowed ? EvidenceOf::kJob : EvidenceOf::kNone;
         const bool tells =
             static_cast<double>(ratio->draws) >= kTellingDraws * prior.draw_cv * prior.draw_cv;
         // Where it tells that the probe is unlike the others of its job, it alone counts.
@@ -319,17 +336,21 @@ class Unit {
             result_.pooled[t].reset();
         }
         if (tells && own_meets) return EvidenceOf::kProbe;
-        const double allowed = *largest_size(target);
         return result_.pooled[t] && pooled.upper <= allowed && own.low <= allowed
                    ? EvidenceOf::kJob
                    : EvidenceOf::kNone;
     }
 
-    /// What the last audit says beside the renderer's prediction; none without steering.
+    /// What the last audit says beside the renderer's prediction, without draws where it was spared
+    /// them; none without steering.
     std::optional<AuditedRatio> audited_ratio(const QualityTarget& target) const {
         const Audit& audit = result_.certificate;
+        if (pilot_.steering.empty() || !(audit.predicted > 0.0)) return std::nullopt;
         const std::optional<Estimate> size = error_size(target.metric, audit.error);
-        if (!size || pilot_.steering.empty() || !(audit.predicted > 0.0)) return std::nullopt;
+        if (!size && target.metric == QualityTarget::Metric::kSsim) {
+            return AuditedRatio{.predicted = audit.predicted};
+        }
+        if (!size) return std::nullopt;
         return AuditedRatio{.predicted = audit.predicted,
                             .measured = size->value,
                             .variance = size->variance,
@@ -355,13 +376,30 @@ class Unit {
                         static_cast<int>(std::sqrt(kIrradiancePaths * result_.settings.samples)));
     }
 
+    WindowDraws window_draws(double rays, uint64_t key) const {
+        if (!has_target(job_.quality, QualityTarget::Metric::kSsim)) return {};
+        const auto pixels = static_cast<double>(owned_pixel_count(probe_.face_size_px));
+        const double rays_per_pixel = static_cast<double>(render_.total().all_rays()) / pixels;
+        return ssim_windows({.rays_per_pixel = rays_per_pixel,
+                             .truth_grid = truth_grid(),
+                             .least_grid = through_media() ? truth_grid() : 2,
+                             .pooled = may_be_pooled() && !pilot_.steering.empty(),
+                             .teaches = params_.teaches && result_.looks == 1,
+                             .key = key},
+                            rays);
+    }
+
     Audit audit(uint64_t look) const {
-        const bool ssim = has_target(job_.quality, QualityTarget::Metric::kSsim);
         const bool irradiance = has_target(job_.quality, QualityTarget::Metric::kIrradianceRel);
         const int grid = truth_grid();
-        const double one_shot = params_.teaches && look == 1 ? kTeachingShare : kAuditShare;
+        const bool windows_alone = only_target(job_.quality, QualityTarget::Metric::kSsim);
+        const bool teaches = params_.teaches && look == 1 && !windows_alone;
+        const double one_shot = teaches ? kTeachingShare : kAuditShare;
         const double share = wants_leaf_rays_only(job_) ? kLeafRaysShare : one_shot;
         const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
+        const uint64_t key =
+            random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look});
+        const WindowDraws windows = window_draws(rays, key);
         AuditSpec spec{
             .truth = truth(),
             .as_written = as_written_,
@@ -371,17 +409,15 @@ class Unit {
             .largest_truth_grid = through_media() ? kLargestPathGrid : kTruthGrids.back(),
             .weighting = job_.quality.weighting,
             .pixels = job_.quality.evidence.pixels_per_probe,
-            .rays = rays,
-            .least_pixels = kLeastAuditPixels,
+            .rays = windows_alone ? kPixelsBesideWindows * rays : rays,
+            .least_pixels = windows_alone ? kPixelsBesideWindowsAtLeast : kLeastAuditPixels,
             .most_pixels = static_cast<int>(render_.aux.size()),
-            .windows = ssim ? std::max(kMinAuditWindows,
-                                       static_cast<int>(rays) / (2 * grid * grid * kWindowPixels))
-                            : 0,
-            .window_grid = grid,
+            .windows = windows.count,
+            .window_grid = windows.grid,
             .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
             .sh = irradiance || job_.products.sh,
             .drawn_for_sh = only_target(job_.quality, QualityTarget::Metric::kIrradianceRel),
-            .key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look})};
+            .key = key};
         if (irradiance) {
             spec.truth_grid = grid;
             spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
@@ -437,15 +473,6 @@ CostStats ProbeResult::render_cost() const {
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel) {
     return Unit(scene, job, pilot, unit, cancel).run();
-}
-
-int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays) {
-    if (evidence.pixels_per_probe) return *evidence.pixels_per_probe;
-    const double paid_for = rays / (2.0 * truth_grid * truth_grid);
-    const double texels = 6.0 * face_size_px * face_size_px;
-    const double most = std::min(texels, kMaxIrradianceDraws);
-    const double least = std::min(texels / 100.0, most);
-    return std::max(kLeastIrradianceDraws, static_cast<int>(std::clamp(paid_for, least, most)));
 }
 
 size_t probes_to_learn_from(const JobSpec& job) {

@@ -84,8 +84,4 @@ void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel);
 
-/// Audited pixels for irradiance, which needs many: as asked for, else as many as these rays pay
-/// for, at least 64 and a hundredth of the texels, at most all of them.
-int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays);
-
 }  // namespace probebake

@@ -120,7 +120,10 @@ Json write_settings(const RenderSettings& settings) {
     if (settings.kind == RendererKind::kErrorAware && std::isfinite(settings.spread)) {
         json["spread"] = settings.spread;
     }
-    if (settings.kind == RendererKind::kHybrid) json["price"] = settings.price;
+    if (settings.kind == RendererKind::kHybrid) {
+        json["price"] = settings.price;
+        if (settings.least_grid > 1) json["least_grid"] = settings.least_grid;
+    }
     if (settings.kind == RendererKind::kPaths) {
         json["samples"] = settings.samples;
         json["noise"] = settings.noise;

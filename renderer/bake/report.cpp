@@ -314,6 +314,7 @@ std::string_view name_of(Verdict verdict) {
 MeasuredError pooled_error(const BakeRecord& record, const LightingState& state) {
     const double weight = 1.0 / static_cast<double>(record.job.probes.size());
     MeasuredError pooled;
+    double windows = 0.0;  // probes that have any
     for (const ProbeResult& result : record.results) {
         if (result.state.id != state.id) continue;
         const MeasuredError& error = result.certificate.error;
@@ -326,9 +327,13 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
             if (!pooled.rel_mse) pooled.rel_mse = Estimate{};
             pooled.rel_mse->add(weight, *error.rel_mse);
         }
-        if (!error.ssim) continue;
+        if (error.ssim) ++windows;
+    }
+    for (const ProbeResult& result : record.results) {
+        const std::optional<Estimate>& ssim = result.certificate.error.ssim;
+        if (!(result.state.id == state.id) || !ssim) continue;
         if (!pooled.ssim) pooled.ssim = Estimate{};
-        pooled.ssim->add(weight, *error.ssim);
+        pooled.ssim->add(1.0 / windows, *ssim);
     }
     return pooled;
 }

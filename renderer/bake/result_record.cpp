@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 3;
+constexpr uint64_t kVersion = 4;
 
 class Damaged {};
 
@@ -173,10 +173,10 @@ void fields(Archive& archive, T& hybrid) {
 
 template <class Archive, Either<RenderSettings> T>
 void fields(Archive& archive, T& s) {
-    auto& [kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, samples, noise,
-           fixed_level, normaliser, misses_in_kernel] = s;
-    archive(kind, threshold, decay, leaf_grid, shifted_grid, spread, price, hybrid, samples, noise,
-            fixed_level, normaliser, misses_in_kernel);
+    auto& [kind, threshold, decay, leaf_grid, shifted_grid, spread, price, least_grid, hybrid,
+           samples, noise, fixed_level, normaliser, misses_in_kernel] = s;
+    archive(kind, threshold, decay, leaf_grid, shifted_grid, spread, price, least_grid, hybrid,
+            samples, noise, fixed_level, normaliser, misses_in_kernel);
 }
 
 template <class Archive, Either<Estimate> T>

@@ -18,6 +18,12 @@
 
 namespace probebake {
 
+/// An array as a section.
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+    return std::as_bytes(std::span(values));
+}
+
 /// kind has at most 8 characters.
 void write_checked_file(const std::filesystem::path& path, std::string_view kind, uint64_t version,
                         std::span<const std::span<const std::byte>> sections);

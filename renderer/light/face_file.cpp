@@ -19,11 +19,6 @@ struct Summary {
     LightingCost cost;
 };
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-    return std::as_bytes(std::span(values));
-}
-
 /// The values of every word begin where those of the one before end, so that no index leaves them.
 bool fits(const FaceLevel& level, size_t nodes, bool is_voxels) {
     const size_t words = (nodes + 7) / 8;

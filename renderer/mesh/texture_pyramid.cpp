@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/srgb.h"
+
 namespace probebake {
 namespace {
 
 /// Taps along the longer axis of a footprint at most; beyond it is blurred across.
 constexpr double kMostTaps = 16.0;
-
-std::array<float, 256> make_linear() {
-    std::array<float, 256> linear{};
-    for (size_t i = 0; i < linear.size(); ++i) {
-        const double x = static_cast<double>(i) / 255.0;
-        linear[i] =
-            static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-    }
-    return linear;
-}
-
-float linear_of(uint8_t srgb) {
-    static const std::array<float, 256> kLinear = make_linear();
-    return kLinear[srgb];
-}
 
 int wrapped(int i, int size, TextureWrap wrap) {
     const auto modulo = [](int a, int n) { return ((a % n) + n) % n; };
@@ -112,7 +99,7 @@ Rgba TexturePyramid::texel(int level, int x, int y) const {
         return Rgba(t[0], t[1], t[2], t[3]) / 65535.0f;
     }
     const std::array<uint8_t, 4>& t = texture_.texels[at];
-    const Rgb color(linear_of(t[0]), linear_of(t[1]), linear_of(t[2]));
+    const Rgb color(srgb_to_linear(t[0]), srgb_to_linear(t[1]), srgb_to_linear(t[2]));
     if (!cut_out_) return {color, 1.0f};
     const float alpha = static_cast<float>(t[3]) / 255.0f;
     return {color * alpha, alpha};

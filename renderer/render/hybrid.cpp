@@ -159,7 +159,8 @@ double expected_error(const HybridPixel& pixel) {
 }
 
 bool goes_on(int stage, const PixelEvidence& evidence, const RenderSettings& settings) {
-    return has_next(stage, settings) && predicted_gain(stage, evidence) > settings.price;
+    return has_next(stage, settings) && (stage_grid(stage) < settings.least_grid ||
+                                         predicted_gain(stage, evidence) > settings.price);
 }
 
 PixelSums hybrid_pixel(const HybridCast& cast, double contrast, const RenderSettings& settings,
@@ -188,7 +189,8 @@ void record_stage(const HybridCast& cast, HybridRecord& record, CostStats& stats
 ReplayedPixel replay_hybrid(const HybridRecord& record, const RenderSettings& settings) {
     int stage = 0;
     while (has_next(stage, settings) &&
-           record.stages[static_cast<size_t>(stage)].gain > settings.price) {
+           (stage_grid(stage) < settings.least_grid ||
+            record.stages[static_cast<size_t>(stage)].gain > settings.price)) {
         ++stage;
     }
     const HybridRecord::Stage& at = record.stages[static_cast<size_t>(stage)];

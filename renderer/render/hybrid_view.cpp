@@ -66,16 +66,17 @@ class HybridView {
         first_colors_ = {};
     }
 
-    /// Has every pixel go on that the price asks for; not below 0.
-    void refine_to(double price) {
+    /// Has every pixel go on that the price, not below 0, or the least grid asks for.
+    void refine_to(double price, int least_grid) {
         settings_.price = price;
+        settings_.least_grid = least_grid;
         constexpr size_t kBlock = 64;
         const size_t blocks = (kept_.size() + kBlock - 1) / kBlock;
         out_.stats += for_each_row(static_cast<int>(blocks), cancel_, [&](int b, CostStats& stats) {
             const size_t begin = static_cast<size_t>(b) * kBlock;
             for (size_t i = begin; i < std::min(begin + kBlock, kept_.size()); ++i) {
                 Kept& at = kept_[i];
-                if (!(at.gain > price)) continue;
+                if (!probebake::goes_on(at.stage, at.evidence, settings_)) continue;
                 HybridPixel pixel{.stage = at.stage, .sums = at.sums, .evidence = at.evidence};
                 while (goes_on(pixel)) cast_stage(cast_at(at.x, at.y), pixel);
                 store(at.x, at.y, pixel);
@@ -281,8 +282,9 @@ HybridCubemap::HybridCubemap(const RenderScene& scene, const Vec3& origin, int n
 
 HybridCubemap::~HybridCubemap() = default;
 
-void HybridCubemap::refine_to(double price) {
-    tbb::parallel_for(size_t{0}, views_.size(), [&](size_t f) { views_[f]->refine_to(price); });
+void HybridCubemap::refine_to(double price, int least_grid) {
+    tbb::parallel_for(size_t{0}, views_.size(),
+                      [&](size_t f) { views_[f]->refine_to(price, least_grid); });
 }
 
 double HybridCubemap::largest_gain() const {

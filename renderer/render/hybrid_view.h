@@ -26,8 +26,9 @@ class HybridCubemap {
     HybridCubemap(const RenderScene& scene, const Vec3& origin, int n, const CancelToken& cancel);
     ~HybridCubemap();
 
-    /// Prices of 0 and more, in falling order. Throws Cancelled.
-    void refine_to(double price);
+    /// Prices of 0 and more, in falling order; least grids (RenderSettings) in rising order. Throws
+    /// Cancelled.
+    void refine_to(double price, int least_grid = 1);
     /// No price from this one up has any pixel go on.
     double largest_gain() const;
     /// Sum of the pixels' predicted squared errors (radiance²), each times its weight: in the order

@@ -53,6 +53,8 @@ struct RenderSettings {
     /// The hybrid renderer's: a pixel is refined while the squared error (radiance², mean over R,
     /// G, B) that is predicted of it, per ray of the next stage, exceeds this.
     double price = 0.0;
+    /// Cells per side of the stage up to which every pixel is refined, whatever is predicted of it.
+    int least_grid = 1;
     HybridSwitches hybrid;
     /// Of paths: in every pixel to begin with; and the root mean square standard error (radiance)
     /// down to which more are added where the variance is, 0: none are added.

@@ -20,11 +20,6 @@ struct Summary {
     double emission_scale = 1.0;
 };
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-    return std::as_bytes(std::span(values));
-}
-
 ColorLevels read_colors(const CheckedFile& file, size_t first_section, double scale) {
     ColorLevels levels;
     levels.voxels = file.array<PackedRgb>(first_section);

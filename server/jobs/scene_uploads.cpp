@@ -32,6 +32,14 @@ class Staging {
     fs::path path_;
 };
 
+/// Makes the names in a folder and in all folders beneath it durable.
+void sync_folders(const fs::path& top) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(top)) {
+        if (entry.is_directory()) sync_folder(entry.path());
+    }
+    sync_folder(top);
+}
+
 }  // namespace
 
 SceneUploads::SceneUploads(const DataFolder& data, std::optional<ImportProcess> importer,
@@ -45,7 +53,7 @@ bool SceneUploads::put(const std::string& name, const fs::path& archive,
     const Staging staging(data_);
     import_archive_in_process(*importer_, archive, staging.scene() / (name + ".json"),
                               cache_dir_.value_or(staging.cache()), cancel);
-    sync_folder(staging.scene());
+    sync_folders(staging.scene());
     const fs::path place = data_.scenes() / name;
     const bool replaced = fs::exists(place);
     // What was there goes with the staging folder.

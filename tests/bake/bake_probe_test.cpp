@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "bake/audit_size.h"
 #include "bake/bake_fixture.h"
 #include "image/exr.h"
 #include "image/metrics.h"
@@ -171,6 +172,25 @@ TEST_F(BakeProbeTest, IrradianceDrawsGrowWithTheCubeAndWithWhatWasSpentOnIt) {
     EXPECT_EQ(irradiance_draws({.pixels_per_probe = 999}, 4, 16, 0), 999);
 }
 
+TEST(AuditSize, WindowsOfSsimCostWhatTheRenderDoes) {
+    const WindowDraws alone = ssim_windows({.rays_per_pixel = 1.0}, 0.0);
+    EXPECT_EQ(alone.count, 16);
+    EXPECT_EQ(alone.grid, 2);
+    // Two windows of 2 × 9 × 121 rays where a quarter of that may be spent: in one probe of four.
+    int count = 0;
+    for (uint64_t key = 0; key < 4000; ++key) {
+        const WindowDraws spared =
+            ssim_windows({.rays_per_pixel = 6.0, .pooled = true, .key = key}, 9.0 * 121.0);
+        EXPECT_EQ(spared.grid, 3);
+        EXPECT_EQ(spared.count % 2, 0);
+        count += spared.count;
+    }
+    EXPECT_NEAR(count / 4000.0, 0.5, 0.06);
+    const WindowDraws many = ssim_windows({.rays_per_pixel = 100.0, .pooled = true}, 100'000.0);
+    EXPECT_EQ(many.grid, 4);
+    EXPECT_NEAR(many.count, 100'000 / (2 * 16 * 121), 2);
+}
+
 TEST_F(BakeProbeTest, ASteeredProbeIsRefinedUntilItsBoundMeetsTheTarget) {
     const JobSpec job = test::small_job(2, {{"psnr_db", 32.0}});
     Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
@@ -190,6 +210,19 @@ TEST_F(BakeProbeTest, ASteeredProbeIsRefinedUntilItsBoundMeetsTheTarget) {
     EXPECT_TRUE(decode_cubemap(result.files[0].bytes, "cube.exr").cubemap ==
                 rounded_to_file(expected.color));
     EXPECT_EQ(result.render_cost().steps, expected.total().steps);
+}
+
+TEST_F(BakeProbeTest, WhatPredictionsDoNotReachIsReachedByRaysInEveryPixel) {
+    const JobSpec job = test::small_job(2, {{"psnr_db", 36.0}});
+    Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo, cancel_);
+    ASSERT_FALSE(pilot.steering.empty());
+    pilot.steering.front()->goal *= 1e5;  // nowhere near, step by step
+    const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
+    EXPECT_TRUE(result.target_met);
+    EXPECT_GE(result.looks, 4);
+    EXPECT_GE(result.settings.least_grid, 4);
+    EXPECT_EQ(write_settings(result.settings)["least_grid"], result.settings.least_grid);
+    EXPECT_GE(result.render_cost().all_rays(), 16 * owned_pixel_count(16));
 }
 
 TEST_F(BakeProbeTest, RelativeErrorIsATarget) {

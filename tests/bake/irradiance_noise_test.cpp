@@ -60,8 +60,7 @@ TEST(IrradianceNoise, IsTheErrorOfPixelsThatErrIndependently) {
             squares.add(error * error);
         }
         const Estimate found = Estimate::of_mean(squares);
-        EXPECT_NEAR(expected->value, found.value,
-                    4.0 * found.standard_error() + 0.01 * found.value)
+        EXPECT_NEAR(expected->value, found.value, 4.0 * found.standard_error() + 0.01 * found.value)
             << n;
     }
 }

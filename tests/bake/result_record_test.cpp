@@ -23,6 +23,7 @@ ProbeResult some_result() {
     result.certificate.sh->difference[8].z = 0.1;
     result.far_m = std::numeric_limits<double>::infinity();
     result.settings.shifted_grid = true;
+    result.settings.least_grid = 4;
     DdgiTile& tile = result.ddgi.emplace();
     tile.irradiance = Image(2, 3);
     tile.irradiance.at(1, 2).b = 1.0f / 3.0f;

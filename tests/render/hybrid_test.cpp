@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include <limits>
 
 #include "render/error_aware.h"
@@ -251,6 +253,25 @@ TEST_F(HybridTest, RefinedInStepsItIsWhatItsLastPriceMakesOfIt) {
         }
         EXPECT_NEAR(steps.predicted_sum(weights), sum, 1e-9);
         EXPECT_LE(steps.largest_gain(), price);
+    }
+}
+
+TEST_F(HybridTest, EveryPixelGetsTheLeastGridWhateverIsPredictedOfIt) {
+    HybridCubemap steps(scene_, test::kSmallWorldProbe, kSize, cancel_);
+    double error = 1e30;
+    for (const int least : {1, 4, 16}) {
+        RenderSettings with = settings(1e-3);
+        with.least_grid = least;
+        const CubemapRender direct = render(with);
+        steps.refine_to(1e-3, least);
+        const CubemapRender refined = steps.render();
+        ASSERT_TRUE(refined.color == direct.color) << least;
+        EXPECT_EQ(refined.total().rays, direct.total().rays);
+        const uint64_t pixels =
+            std::accumulate(refined.pixels.begin(), refined.pixels.end(), uint64_t{0});
+        EXPECT_GE(refined.total().rays, static_cast<uint64_t>(least * least) * pixels);
+        EXPECT_LT(error_of(direct.color), error);
+        error = error_of(direct.color);
     }
 }
 

@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "io/io_error.h"
+#include "math/srgb.h"
 
 namespace probebake {
 namespace {
-
-float linear_of(uint8_t srgb) {
-    const double x = srgb / 255.0;
-    return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-}
 
 constexpr int kMaxHeightLog2 = 16;
 
@@ -74,9 +70,6 @@ VoxelCloud make_voxels(const Columns& columns, const std::optional<ColorPicture>
         throw IoError(file_name, "would become " + std::to_string(count) +
                                      " voxels, expected at most " + std::to_string(max_voxels));
     }
-    std::array<float, 256> linear{};
-    for (size_t i = 0; i < linear.size(); ++i) linear[i] = linear_of(static_cast<uint8_t>(i));
-
     VoxelCloud cloud;
     cloud.depth = depth_for_extent({width, columns.highest(), depth});
     cloud.voxels.reserve(count);
@@ -86,7 +79,8 @@ VoxelCloud make_voxels(const Columns& columns, const std::optional<ColorPicture>
             if (colors) {
                 const auto& c = colors->values[static_cast<size_t>(z) * static_cast<size_t>(width) +
                                                static_cast<size_t>(x)];
-                albedo = pack_rgb({linear[c[0]], linear[c[1]], linear[c[2]]});
+                albedo =
+                    pack_rgb({srgb_to_linear(c[0]), srgb_to_linear(c[1]), srgb_to_linear(c[2])});
             }
             const int top = columns.top(x, z);
             for (int i = 0; i < columns.shell(x, z); ++i) {

@@ -1,0 +1,42 @@
+#include "bake/audit_size.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/ssim.h"
+#include "math/random.h"
+
+namespace probebake {
+namespace {
+
+constexpr int kLeastIrradianceDraws = 64;
+constexpr double kMaxIrradianceDraws = 65'536.0;
+constexpr int kLeastWindows = 16;
+constexpr int kLeastTeachingWindows = 4;
+constexpr uint64_t kWindowStream = 17;
+constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
+
+}  // namespace
+
+int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays) {
+    if (evidence.pixels_per_probe) return *evidence.pixels_per_probe;
+    const double paid_for = rays / (2.0 * truth_grid * truth_grid);
+    const double texels = 6.0 * face_size_px * face_size_px;
+    const double most = std::min(texels, kMaxIrradianceDraws);
+    const double least = std::min(texels / 100.0, most);
+    return std::max(kLeastIrradianceDraws, static_cast<int>(std::clamp(paid_for, least, most)));
+}
+
+WindowDraws ssim_windows(const WindowParams& params, double rays) {
+    const int as_noisy = static_cast<int>(std::ceil(1.1 * std::sqrt(params.rays_per_pixel)));
+    const int grid = std::clamp(as_noisy, params.least_grid, params.truth_grid);
+    const double paid_for = rays / (2.0 * grid * grid * kWindowPixels);
+    if (!params.pooled || params.teaches) {
+        const int least = params.pooled ? kLeastTeachingWindows : kLeastWindows;
+        return {std::max(least, static_cast<int>(paid_for)), grid};
+    }
+    RandomStream random(random_key({params.key, kWindowStream}));
+    return {2 * static_cast<int>(paid_for / 2.0 + random.uniform()), grid};
+}
+
+}  // namespace probebake

@@ -1,0 +1,34 @@
+// How much an audit draws, where that is not a matter of pixels alone.
+#pragma once
+
+#include "bake/job_spec.h"
+#include "bake/quality.h"
+
+namespace probebake {
+
+/// Audited pixels for irradiance, which needs many: as asked for, else as many as these rays pay
+/// for, at least 64 and a hundredth of the texels, at most all of them.
+int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size_px, double rays);
+
+/// Windows of SSIM, and the rays per side of each of the two means of their pixels.
+struct WindowDraws {
+    int count = 0;
+    int grid = kTruthGrids.front();
+};
+
+struct WindowParams {
+    double rays_per_pixel = 1.0;  // of the render
+    int truth_grid = kTruthGrids.front();
+    int least_grid = 2;
+    bool pooled = false;   // whether what other probes of the job have tells as well
+    bool teaches = false;  // whether the others learn from this one
+    uint64_t key = 0;
+};
+
+/// About as noisy as the render, as the truth of single pixels is (audit.h), so that windows cost
+/// less where the render does. As many as these rays pay for, at least 16, or 4 in a probe that
+/// teaches others; where they are pooled as many as the rays pay for on average, in pairs: none in
+/// most probes of small faces.
+WindowDraws ssim_windows(const WindowParams& params, double rays);
+
+}  // namespace probebake

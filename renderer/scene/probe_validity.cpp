@@ -16,7 +16,7 @@ namespace probebake {
 namespace {
 
 constexpr int kDirections = 64;
-constexpr int kSteps = 4;  // to either side, per axis
+constexpr int kSteps = 3;  // to either side, per axis
 /// A place to move to has half a voxel of air before a flat wall.
 constexpr double kMostClosedIn = 0.25;
 /// Of the octree: leaves of a few triangles.
@@ -110,9 +110,11 @@ class SurfaceSides {
     SurfaceSides(const SurfaceSides&) = delete;
     SurfaceSides& operator=(const SurfaceSides&) = delete;
 
-    double backface_at(const Vec3& origin) const {
+    /// `most`: what it is to be counted up to; more is more.
+    double backface_at(const Vec3& origin, double most = 1.0) const {
         int backs = 0;
         for (const Vec3& direction : directions()) {
+            if (backs > most * kDirections) break;
             const ObjectHit hit = octree_.closest_hit({origin, direction});
             if (!hit || hit.object >= one_sided_) continue;
             const Vec3 point = origin + hit.t * direction;
@@ -156,7 +158,15 @@ PlaceFinder::~PlaceFinder() = default;
 
 uint64_t PlaceFinder::octree_bytes() const { return sides_ ? sides_->memory_bytes() : 0; }
 
-ProbePlace PlaceFinder::place_without_distance(const Vec3& position_m) const {
+bool PlaceFinder::is_valid(const Vec3& position_m, double& closed_in) const {
+    if (scene_.inside_voxel(position_m) || is_below_ground(scene_, position_m)) return false;
+    const Vec3 at = scene_.to_voxels(position_m);
+    closed_in = closed_in_at(scene_.tree, at);
+    if (closed_in > rules_.max_closed_in) return false;
+    return !sides_ || sides_->backface_at(at, rules_.max_backface) <= rules_.max_backface;
+}
+
+ProbePlace PlaceFinder::look_at(const Vec3& position_m) const {
     const Vec3 at = scene_.to_voxels(position_m);
     const bool in_voxel = scene_.inside_voxel(position_m);
     ProbePlace place{.requested_m = position_m,
@@ -164,18 +174,13 @@ ProbePlace PlaceFinder::place_without_distance(const Vec3& position_m) const {
     place.closed_in = in_voxel ? 1.0 : closed_in_at(scene_.tree, at);
     if (sides_) place.backface = sides_->backface_at(at);
     place.valid = rules_.pass(place);
-    return place;
-}
-
-ProbePlace PlaceFinder::look_at(const Vec3& position_m) const {
-    ProbePlace place = place_without_distance(position_m);
-    place.nearest_surface_m =
-        NearestVoxel(scene_.tree, scene_.to_voxels(position_m)).distance() * scene_.voxel_size_m;
+    place.nearest_surface_m = NearestVoxel(scene_.tree, at).distance() * scene_.voxel_size_m;
     return place;
 }
 
 Vec3 PlaceFinder::relocated(const Vec3& position_m, const Vec3& most_offset_m) const {
-    if (place_without_distance(position_m).valid) return position_m;
+    double closed_in = 0.0;
+    if (is_valid(position_m, closed_in)) return position_m;
     struct Candidate {
         double distance2;
         IVec3 step;  // −kSteps to kSteps
@@ -196,9 +201,8 @@ Vec3 PlaceFinder::relocated(const Vec3& position_m, const Vec3& most_offset_m) c
     std::optional<Vec3> tight;
     for (const Candidate& candidate : candidates) {
         const Vec3 at = position_m + Vec3(candidate.step) / double(kSteps) * most_offset_m;
-        const ProbePlace place = place_without_distance(at);
-        if (!place.valid) continue;
-        if (place.closed_in <= kMostClosedIn) return at;
+        if (!is_valid(at, closed_in)) continue;
+        if (closed_in <= kMostClosedIn) return at;
         if (!tight) tight = at;
     }
     return tight.value_or(position_m);

@@ -34,7 +34,7 @@ class PlaceFinder {
 
     ProbePlace look_at(const Vec3& position_m) const;
 
-    /// The place nearest to `position_m` of a lattice of 9³ within ± `most_offset_m` per axis that
+    /// The place nearest to `position_m` of a lattice of 7³ within ± `most_offset_m` per axis that
     /// is valid and has at least half a voxel of air on every side (closed in by at most a
     /// quarter), or else the nearest that is valid; of those equally near the one with the lower z,
     /// y, x. The position itself, bit for bit, where it is valid or nothing is.
@@ -43,7 +43,8 @@ class PlaceFinder {
     uint64_t octree_bytes() const;  // 0 where there is none
 
   private:
-    ProbePlace place_without_distance(const Vec3& position_m) const;
+    /// As look_at says, for less; how much it is closed in where that may matter.
+    bool is_valid(const Vec3& position_m, double& closed_in) const;
 
     const Scene& scene_;
     PlaceRules rules_;

@@ -71,8 +71,8 @@ TEST_P(RealMeshTest, AxisRaysSeeTheColoursOfVoxels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, RealMeshTest, testing::ValuesIn(test::kRealMeshes),
-                         [](const auto& info) {
-                             std::string name = info.param.name;
+                         [](const auto& of) {
+                             std::string name = of.param.name;
                              std::replace(name.begin(), name.end(), ' ', '_');
                              return name;
                          });

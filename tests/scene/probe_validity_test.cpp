@@ -128,7 +128,7 @@ TEST(ProbeValidity, ATightPlaceIsBetterThanNone) {
     Scene scene;
     scene.tree = VoxelTree::build(cloud);
     const PlaceFinder finder(scene, {}, false);
-    const Vec3 to = finder.relocated({8.5, 8.5, 8.5}, Vec3(1.0));
+    const Vec3 to = finder.relocated({8.5, 8.5, 8.5}, Vec3(1.5));
     EXPECT_EQ(to, Vec3(9.0, 8.5, 8.5));  // of the lattice's places in the gap the nearest
     EXPECT_GT(finder.look_at(to).closed_in, 0.25);
 }

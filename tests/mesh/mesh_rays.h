@@ -7,6 +7,7 @@
 #include "math/random.h"
 #include "mesh/mesh_surface.h"
 #include "mesh/surface_check.h"
+#include "mesh/triangle_box.h"
 #include "mesh/voxelise.h"
 #include "objects/object_octree.h"
 #include "voxels/trace.h"
@@ -120,9 +121,11 @@ struct Agreement {
     uint64_t agree = 0;
     uint64_t along = 0;  // the hits are within a diagonal of each other, along the ray
     uint64_t past = 0;   // the voxels are hit, and the mesh is passed altogether
-    /// Both are hit, and the mesh's hit lies beside the very voxel that was hit: within a diagonal
-    /// over the cosine of incidence. The others have passed an edge of the surface.
-    uint64_t same_place = 0;
+    /// The triangle that is hit touches the very voxel that is hit; the others have passed an edge
+    /// of what made that voxel. And of these, those within a diagonal over the cosine of incidence
+    /// along the ray: all.
+    uint64_t same_surface = 0;
+    uint64_t within_cosine = 0;
     /// Of those that meet the mesh at 60° to its surface or more: all, and those within a diagonal.
     uint64_t steep = 0;
     uint64_t steep_along = 0;
@@ -177,7 +180,11 @@ inline Agreement compare(const TriangleMesh& mesh, double voxel_size_m, uint64_t
             const Vec3 normal = normal_at(rays.set(), hit.object, at(hit.t));
             const double cosine = std::abs(glm::dot(normal, ray.direction));
             if (gap <= kDiagonal) ++agreement.along;
-            if (gap * cosine <= kDiagonal) ++agreement.same_place;
+            const TriangleBox triangle(grid.triangles[hit.object].vertices);
+            if (triangle.overlaps(voxel.corner * kGridUnits, kGridUnits)) {
+                ++agreement.same_surface;
+                if (gap * cosine <= kDiagonal + 1e-6) ++agreement.within_cosine;
+            }
             if (cosine >= kSteepCosine) ++agreement.steep;
             if (cosine >= kSteepCosine && gap <= kDiagonal) ++agreement.steep_along;
         }

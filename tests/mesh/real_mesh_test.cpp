@@ -36,12 +36,15 @@ TEST_P(RealMeshTest, RaysEndWithinAVoxelOfTheSurface) {
     std::cout << std::setprecision(5) << GetParam().name << ": " << found.rays << " rays, behind "
               << found.behind << ", within a diagonal of the surface "
               << percent(found.agree, found.rays) << " %, past " << percent(found.past, found.rays)
-              << " %, same place " << percent(found.same_place, both) << " %, along the ray "
+              << " %, same surface " << percent(found.same_surface, both)
+              << " % (of these within a diagonal over the cosine "
+              << percent(found.within_cosine, found.same_surface) << " %), along the ray "
               << percent(found.along, both) << " %, of " << found.steep << " steep ones "
               << percent(found.steep_along, found.steep) << " %\n";
     EXPECT_EQ(found.rays, 20'000u);
     EXPECT_EQ(found.behind, 0u);
     EXPECT_GE(found.share(found.agree), 0.999);
+    EXPECT_EQ(found.within_cosine, found.same_surface);
 }
 
 TEST_P(RealMeshTest, AxisRaysSeeTheColoursOfVoxels) {

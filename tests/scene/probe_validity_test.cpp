@@ -152,13 +152,8 @@ TEST(ProbeValidity, TheGroundOfAHeightmapIsSolidThoughItsVoxelsAreAShell) {
     EXPECT_GT(finder.relocated(below, Vec3(3.0, 8.0, 3.0)).y, 10.0);
 }
 
-/// A hollow box of 8 m with walls of 2 m, made of triangles whose fronts look out of the wall.
-Scene hollow_box(bool double_sided) {
-    TriangleMesh mesh;
-    mesh.materials.push_back({.double_sided = double_sided});
-    test::add_box(mesh, Vec3(6.0), Vec3(6.0));
-    test::add_box(mesh, Vec3(6.0), Vec3(-4.0));  // mirrored: faces inwards
-    VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = 0.25});
+Scene room(bool double_sided) {
+    VoxelisedMesh made = voxelise(test::make_room(double_sided), {.voxel_size_m = 0.25});
     Scene scene;
     scene.tree = std::move(made.tree);
     scene.surface = std::move(made.surface);
@@ -169,19 +164,19 @@ Scene hollow_box(bool double_sided) {
 
 /// What voxels cannot tell apart: a room, and the inside of a hollow wall.
 TEST(ProbeValidity, TrianglesTellRoomsFromWalls) {
-    const Scene scene = hollow_box(false);
-    const Vec3 room(6.1, 5.9, 6.2);
+    const Scene scene = room(false);
+    const Vec3 middle(6.1, 5.9, 6.2);
     const Vec3 wall(1.1, 5.9, 6.2);
     const Vec3 outside(-3.0, 5.9, 6.2);
     const PlaceFinder voxels(scene, {}, false);
     EXPECT_EQ(voxels.octree_bytes(), 0u);
-    for (const Vec3& p : {room, wall, outside}) {
+    for (const Vec3& p : {middle, wall, outside}) {
         EXPECT_TRUE(voxels.look_at(p).valid);
         EXPECT_EQ(voxels.look_at(p).backface, std::nullopt);
     }
     const PlaceFinder triangles(scene, {}, true);
     EXPECT_GT(triangles.octree_bytes(), 0u);
-    EXPECT_EQ(triangles.look_at(room).backface, 0.0);
+    EXPECT_EQ(triangles.look_at(middle).backface, 0.0);
     EXPECT_EQ(triangles.look_at(outside).backface, 0.0);
     const ProbePlace place = triangles.look_at(wall);
     EXPECT_EQ(place.backface, 1.0);
@@ -194,7 +189,7 @@ TEST(ProbeValidity, TrianglesTellRoomsFromWalls) {
 }
 
 TEST(ProbeValidity, WhatHasTwoFrontsHasNoBack) {
-    const Scene scene = hollow_box(true);
+    const Scene scene = room(true);
     const PlaceFinder finder(scene, {}, true);
     EXPECT_EQ(finder.octree_bytes(), 0u);
     EXPECT_EQ(finder.look_at({1.1, 5.9, 6.2}).backface, std::nullopt);

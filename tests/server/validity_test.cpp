@@ -13,12 +13,9 @@ namespace {
 using test::Answer;
 using test::RunningService;
 
-/// A room of 8 m within hollow walls of 2 m, from (0, 0, 0) to (12, 12, 12), as a glTF of one-sided
-/// triangles.
+/// As a glTF of one-sided triangles.
 std::string room_gltf() {
-    TriangleMesh mesh;
-    test::add_box(mesh, Vec3(6.0), Vec3(6.0));
-    test::add_box(mesh, Vec3(6.0), Vec3(-4.0));  // mirrored: faces inwards
+    const TriangleMesh mesh = test::make_room();
     std::vector<float> positions;
     for (const MeshTriangle& triangle : mesh.triangles) {
         for (const uint32_t vertex : triangle.vertices) {

@@ -25,6 +25,7 @@ class JobReader {
         spec_.seed = root_.unsigned_integer("seed", std::numeric_limits<uint64_t>::max(), 1);
         read_probe_defaults();
         read_probes();
+        read_validity();
         read_products();
         read_quality();
         read_budget();
@@ -162,6 +163,26 @@ class JobReader {
         }
         spec_.probes.push_back(std::move(probe));
         return true;
+    }
+
+    void read_validity() {
+        if (!root_.has("validity")) {
+            root_.object("validity");
+            return;
+        }
+        ObjectReader reader = root_.object("validity");
+        ValiditySpec& validity = spec_.validity.emplace();
+        PlaceRules& rules = validity.rules;
+        rules.max_backface = reader.number("max_backface", {0.0, 1.0}, rules.max_backface);
+        rules.max_closed_in = reader.number("max_closed_in", {0.0, 1.0}, rules.max_closed_in);
+        validity.relocate = reader.boolean("relocate", validity.relocate);
+        validity.max_offset_m =
+            reader.number("max_offset_m", {0.0, limits_.max_position_m}, validity.max_offset_m);
+        if (validity.max_offset_m > 0.0 && !validity.relocate) {
+            issues_.unacceptable(reader.pointer_to("max_offset_m"),
+                                 "moves nothing: expected \"relocate\": true with it");
+        }
+        reader.refuse_unknown();
     }
 
     void read_products() {

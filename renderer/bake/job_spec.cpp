@@ -24,7 +24,9 @@ Json write_probes(const JobSpec& spec) {
     const size_t listed = spec.grids.empty() ? spec.probes.size() : spec.grids[0].first_probe;
     for (size_t p = 0; p < listed; ++p) {
         const ProbeSpec& probe = spec.probes[p];
-        Json item = {{"id", probe.id}, {"position_m", write_vector(probe.position_m)}};
+        Json item = {{"id", probe.id},
+                     {"position_m",
+                      write_vector(probe.place ? probe.place->requested_m : probe.position_m)}};
         write_view(probe, item);
         json["list"].push_back(std::move(item));
     }
@@ -143,6 +145,13 @@ Json write_job(const JobSpec& spec) {
     }
     json["products"] = write_products(spec.products);
     json["probes"] = write_probes(spec);
+
+    if (spec.validity) {
+        json["validity"] = {{"max_backface", spec.validity->rules.max_backface},
+                            {"max_closed_in", spec.validity->rules.max_closed_in},
+                            {"relocate", spec.validity->relocate},
+                            {"max_offset_m", spec.validity->max_offset_m}};
+    }
 
     const QualitySpec& quality = spec.quality;
     Json& out = json["quality"];

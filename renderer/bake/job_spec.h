@@ -15,6 +15,7 @@
 #include "image/metrics.h"
 #include "io/json.h"
 #include "render/render_settings.h"
+#include "scene/probe_place.h"
 #include "track/choice.h"
 
 namespace probebake {
@@ -25,6 +26,8 @@ struct ProbeSpec {
     int face_size_px = 64;
     double near_m = 0.0;          // nearer hits are passed through
     std::optional<double> far_m;  // farther hits are misses; none: the whole world is seen
+    /// None of the request: once it was looked at (probe_places.h).
+    std::optional<ProbePlace> place;
 };
 
 /// A regular grid of probes: (i, j, k) stands at origin + spacing · (i, j, k) and is the probe of
@@ -91,6 +94,13 @@ struct QualitySpec {
     Weighting weighting = Weighting::kUniform;
 };
 
+/// What is asked of the places of probes; a job that asks nothing is told what voxels know.
+struct ValiditySpec {
+    PlaceRules rules;
+    bool relocate = false;      // of grids, by at most kMostCellShare of the cell
+    double max_offset_m = 0.0;  // of probes of the list, per axis
+};
+
 struct BudgetSpec {
     std::optional<uint64_t> rays;   // rendered rays of the whole job
     std::optional<double> seconds;  // wall clock; makes the result depend on the machine
@@ -115,6 +125,7 @@ struct JobSpec {
     QualitySpec quality;
     BudgetSpec budget;
     Products products;
+    std::optional<ValiditySpec> validity;
     uint64_t seed = 1;
 };
 

@@ -45,6 +45,12 @@ std::vector<LeftOut> unneeded(const Scene& scene, const JobSpec& job, const Plan
             out.push_back({text.substr(0, colon), text.substr(colon + 2)});
         }
     }
+    if (scene.surface.empty()) {
+        leave("object octree", scene.mesh ? "all surfaces of the mesh have two fronts, or holes"
+                                          : "the scene has no mesh");
+    } else if (!plan.needs_object_octree) {
+        leave("object octree", "the mesh has become voxels; only validity would ask its triangles");
+    }
     if (!plan.needs_error_table) leave("error table", "no renderer of this job looks at it");
     if (plan.leaf_rays_only) {
         leave("quality search", "irradiance begins with one ray per pixel: nothing is cheaper");
@@ -134,6 +140,7 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
                             ? "the scene has no media that a tracker could fly through"
                             : "no state of this job is seen through media");
     }
+    plan.needs_object_octree = job.validity && !scene.surface.empty();
     plan.left_out = unneeded(scene, job, plan);
     plan.work_units = job.probes.size() * job.states.size();
     plan.texels = texel_count(job);
@@ -148,12 +155,18 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;
+    uint64_t invalid = 0;
     for (const ProbeSpec& probe : job.probes) {
         if (scene.inside_voxel(probe.position_m)) ++inside;
+        if (probe.place && !probe.place->valid) ++invalid;
     }
     if (inside > 0) {
         plan.warnings.push_back(std::to_string(inside) +
                                 " probes lie in a voxel, which their rays pass through");
+    }
+    if (invalid > 0) {
+        plan.warnings.push_back(std::to_string(invalid) +
+                                " probes stand in places that are invalid (their rows say why)");
     }
     for (const Medium& medium : scene.media.all()) {
         const auto* shape = std::get_if<HomogeneousShape>(&medium.spec.shape);
@@ -170,6 +183,7 @@ Json write_plan(const Plan& plan) {
                  {"texels", plan.texels},
                  {"quality_search", plan.needs_pilot},
                  {"audit", plan.needs_audit},
+                 {"object_octree", plan.needs_object_octree},
                  {"memory",
                   {{"scene_bytes", plan.scene_bytes},
                    {"light_bytes", plan.light_bytes},

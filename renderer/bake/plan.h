@@ -25,6 +25,8 @@ struct Plan {
     bool leaf_rays_only = false;  // one per pixel to begin with; nothing is searched
     bool needs_pilot = false;     // to search settings
     bool needs_audit = false;
+    /// Of a mesh's triangles, to look at the places of probes; dropped before anything is rendered.
+    bool needs_object_octree = false;
     /// Where a state is seen through media: how.
     std::optional<MediaPlan> media;
     std::vector<LeftOut> left_out;

@@ -49,8 +49,20 @@ class FileMaker {
         out.near_m = probe_.near_m;
         out.far_m = result_.far_m;
         out.valid = !result_.inside_voxel;
+        if (probe_.place) add_place(*probe_.place, out);
         if (result_.certificate.pixels > 0) add_errors(out);
         return out;
+    }
+
+    void add_place(const ProbePlace& place, ProbeAttributes& out) const {
+        out.valid = place.valid;
+        if (!what_.job.validity) return;
+        out.numbers["probe:closedIn"] = place.closed_in;
+        if (place.backface) out.numbers["probe:backface"] = *place.backface;
+        if (std::isfinite(place.nearest_surface_m)) {
+            out.numbers["probe:nearestSurface"] = place.nearest_surface_m;
+        }
+        if (place.moved) out.texts["probe:requestedPosition"] = attribute_text(place.requested_m);
     }
 
     void add_errors(ProbeAttributes& out) const {

@@ -393,6 +393,7 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
     if (result.certificate.pixels > 0) {
         json["error"] = write_probe_error(record.job, result);
     }
+    if (probe.place) json["validity"] = write_place(*probe.place);
     json["files"] = write_files(result.files);
     return json;
 }
@@ -456,6 +457,7 @@ Json write_report(const BakeRecord& record) {
               {"against", name_of(quality.against)},
               {"confidence", quality.evidence.confidence},
               {"weighting", kWeightingNames[static_cast<size_t>(quality.weighting)]}}},
+            {"validity", write_places(record.job, record.places)},
             {"states", std::move(states)},
             {"totals",
              {{"cubemaps", record.results.size()},

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bake/bake_probe.h"
+#include "bake/probe_places.h"
 
 namespace probebake {
 
@@ -44,6 +45,7 @@ struct BakeRecord {
     uint64_t peak_memory_bytes = 0;  // of the process
     int threads = 1;
     std::vector<std::string> warnings;
+    PlacesRecord places;
 };
 
 /// The audits of all probes of a state as one estimate: the mean over the probes.

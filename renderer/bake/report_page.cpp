@@ -275,6 +275,24 @@ std::string state_section(const Json& state, const Json& target) {
     return html + "</section>\n";
 }
 
+/// Empty where every probe stands as requested, in a valid place.
+std::string places_section(const Json& validity) {
+    const Json& invalid = validity.at("invalid_probes");
+    if (invalid.empty() && validity.at("moved") == 0) return "";
+    std::string html = "<section>\n<h2>Places of probes</h2>\n<p>" +
+                       number(validity.at("probes"), 9) + " probes, " +
+                       number(validity.at("moved"), 9) + " of them moved, " +
+                       number(validity.at("invalid"), 9) + " invalid.</p>\n";
+    if (!invalid.empty()) {
+        html += "<p>Invalid:";
+        for (const Json& id : invalid)
+            html += " <span class=\"invalid\">" + text_of(id) + "</span>";
+        if (validity.at("invalid") > invalid.size()) html += " …";
+        html += "</p>\n";
+    }
+    return html + "</section>\n";
+}
+
 constexpr const char* kStyle =
     "body{font:15px/1.5 sans-serif;color:#222;max-width:48rem;margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;font-size:13px;margin:1rem 0}"
@@ -284,7 +302,8 @@ constexpr const char* kStyle =
     ".tick{stroke:#eee}.decade{stroke:#ccc}.middle{text-anchor:middle}.end{text-anchor:end}"
     ".target{stroke:#c03030;stroke-dasharray:6 4;stroke-width:1.5}.targetlabel{fill:#c03030}"
     ".curve{fill:none;stroke:#2060a0;stroke-width:1.5}.interval{stroke:#2060a0;opacity:.4;"
-    "stroke-width:3}.point{fill:#2060a0}.chosen{fill:#fff;stroke:#2060a0;stroke-width:3}";
+    "stroke-width:3}.invalid{color:#c03030}.point{fill:#2060a0}.chosen{fill:#fff;stroke:#2060a0;"
+    "stroke-width:3}";
 
 std::string page(const Json& report) {
     const Json& scene = report.at("scene");
@@ -303,6 +322,7 @@ std::string page(const Json& report) {
                        number(target.at("confidence"), 4) + ". " +
                        number(totals.at("cubemaps"), 9) + " cubemaps in " +
                        number(totals.at("wall_seconds")) + " s of wall time.</p>\n";
+    html += places_section(report.at("validity"));
     for (const Json& state : report.at("states")) html += state_section(state, target);
     if (!report.at("warnings").empty()) {
         html += "<h2>Warnings</h2>\n<ul>\n";

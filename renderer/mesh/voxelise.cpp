@@ -15,6 +15,7 @@
 #include "mesh/surface_check.h"
 #include "mesh/triangle_box.h"
 #include "mesh/voxel_look.h"
+#include "voxels/solid_fill.h"
 #include "voxels/tree_builder.h"
 
 namespace probebake {
@@ -211,7 +212,8 @@ VoxelisedMesh voxelise(const TriangleMesh& mesh, const VoxeliseParams& params) {
     const MeshSurface surface(mesh, grid);
     const float emission_scale = emission_scale_for(surface.most_emission());
     const int depth = depth_for_extent(grid.extent);
-    VoxelisedMesh made{.tree = {}, .corner_m = grid.corner_m};
+    VoxelisedMesh made{
+        .tree = {}, .surface = surface_triangles(mesh, grid), .corner_m = grid.corner_m};
     VoxeliseReport& report = made.report;
 
     TreeBuilder builder(depth);
@@ -244,6 +246,16 @@ VoxelisedMesh voxelise(const TriangleMesh& mesh, const VoxeliseParams& params) {
             tbb::make_filter<BlockVoxels, void>(tbb::filter_mode::serial_in_order, append));
     made.tree = builder.finish(emission_scale);
 
+    if (params.solid) {
+        const uint64_t shell_bytes = made.tree.memory_bytes();
+        SolidFill solid = fill_solid(std::move(made.tree), params.max_voxels);
+        made.tree = std::move(solid.tree);
+        report.filled_voxels = solid.filled;
+        if (solid.filled > 0) {
+            const uint64_t bytes = fixed_bytes + shell_bytes + made.tree.memory_bytes();
+            report.peak_bytes = std::max(report.peak_bytes, bytes);
+        }
+    }
     report.triangles = grid.triangles.size();
     report.voxels = made.tree.voxel_count();
     report.peak_bytes = std::max(report.peak_bytes, fixed_bytes + made.tree.memory_bytes());

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "mesh/surface_triangles.h"
 #include "mesh/triangle_mesh.h"
 #include "voxels/voxel_tree.h"
 
@@ -23,6 +24,8 @@ struct VoxeliseParams {
     double voxel_size_m = 1.0;
     /// Where voxel (0, 0, 0) begins; by default as in grid_mesh.h.
     std::optional<Vec3> corner_m;
+    /// Whether what the surface closes in becomes voxels, too (voxels/solid_fill.h).
+    bool solid = false;
     uint64_t max_voxels = uint64_t{1} << 31;
     uint64_t max_memory_bytes = uint64_t{16} << 30;
     /// Points of the surface of which it is checked that they lie in a voxel.
@@ -32,13 +35,15 @@ struct VoxeliseParams {
 struct VoxeliseReport {
     uint64_t triangles = 0;
     uint64_t voxels = 0;
+    uint64_t filled_voxels = 0;  // of these, not on the surface
     double seconds = 0.0;
     uint64_t peak_bytes = 0;  // largest sum of its own buffers, the mesh not included
     /// Of points drawn on the surface (by area, not in holes): how many were looked at, and how
     /// many lay in no voxel.
     uint64_t checked_points = 0;
     uint64_t uncovered_points = 0;
-    /// The Hausdorff distance between surface and voxels is at most this: no point of a voxel is
+    /// The Hausdorff distance between surface and voxels (but for filled ones) is at most this: no
+    /// point of a voxel is
     /// farther than half its diagonal from its middle, and the surface from the middle is measured
     /// for every voxel. Infinite where a point is uncovered.
     double hausdorff_m = 0.0;
@@ -47,6 +52,7 @@ struct VoxeliseReport {
 
 struct VoxelisedMesh {
     VoxelTree tree;
+    SurfaceTriangles surface;
     Vec3 corner_m{0.0};
     VoxeliseReport report;
 };

@@ -14,7 +14,7 @@ void test_object(const ObjectSet& set, uint32_t object, const PreparedRay& ray, 
 
 }  // namespace
 
-ObjectHit ObjectOctree::closest_hit(const Ray& ray, const TRange& range, OctreeWalk how,
+ObjectHit ObjectOctree::closest_hit(const Ray& ray, const TRange& range, OctreeTraversal how,
                                     CastCounts& counts) const {
     const auto local = local_ray(octree_.tree().box(), ray, range);
     if (!local) return {};
@@ -32,7 +32,7 @@ ObjectHit ObjectOctree::closest_hit(const Ray& ray, const TRange& range, OctreeW
     return best;
 }
 
-ObjectHit ObjectOctree::any_hit(const Ray& ray, const TRange& range, OctreeWalk how,
+ObjectHit ObjectOctree::any_hit(const Ray& ray, const TRange& range, OctreeTraversal how,
                                 CastCounts& counts) const {
     const auto local = local_ray(octree_.tree().box(), ray, range);
     if (!local) return {};

@@ -43,18 +43,18 @@ class ObjectOctree {
 
     /// The nearest hit with range.begin < t < range.end; none for rays that are not finite or have
     /// no direction.
-    ObjectHit closest_hit(const Ray& ray, const TRange& range, OctreeWalk how,
+    ObjectHit closest_hit(const Ray& ray, const TRange& range, OctreeTraversal how,
                           CastCounts& counts) const;
     ObjectHit closest_hit(const Ray& ray, const TRange& range = {}) const {
         CastCounts counts;
-        return closest_hit(ray, range, OctreeWalk::kTopDown, counts);
+        return closest_hit(ray, range, OctreeTraversal::kTopDown, counts);
     }
     /// Some hit in the range: the first that is found.
-    ObjectHit any_hit(const Ray& ray, const TRange& range, OctreeWalk how,
+    ObjectHit any_hit(const Ray& ray, const TRange& range, OctreeTraversal how,
                       CastCounts& counts) const;
     bool any_hit(const Ray& ray, const TRange& range = {}) const {
         CastCounts counts;
-        return static_cast<bool>(any_hit(ray, range, OctreeWalk::kTopDown, counts));
+        return static_cast<bool>(any_hit(ray, range, OctreeTraversal::kTopDown, counts));
     }
 
   private:

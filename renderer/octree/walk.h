@@ -22,7 +22,7 @@
 
 namespace probebake {
 
-enum class OctreeWalk : uint8_t { kFromRoot, kFromAncestor, kTopDown };
+enum class OctreeTraversal : uint8_t { kFromRoot, kFromAncestor, kTopDown };
 
 struct WalkCounts {
     /// Nodes visited, root and leaves included. kFromRoot: the path from the root at every
@@ -193,7 +193,7 @@ void top_down(const Octree& tree, const OctreeRay& ray, double t, double end, co
 /// `range` cuts the ray: the first leaf is the one that holds range.begin, the last one begins
 /// before range.end. Requires a finite ray with a direction, of any length.
 template <class Visit>
-void walk(const Octree& tree, OctreeWalk how, const Ray& ray, const TRange& range,
+void walk(const Octree& tree, OctreeTraversal how, const Ray& ray, const TRange& range,
           WalkCounts& counts, Visit&& visit) {
     const OctreeRay octree_ray(ray);
     const Vec3 t_near = octree_ray.t_near(tree.box());
@@ -202,13 +202,13 @@ void walk(const Octree& tree, OctreeWalk how, const Ray& ray, const TRange& rang
     const double end = std::min(least(t_far), range.end);
     if (!(t < end)) return;
     switch (how) {
-        case OctreeWalk::kFromRoot:
+        case OctreeTraversal::kFromRoot:
             octree_walk::from_root(tree, octree_ray, t, end, t_far, counts, visit);
             break;
-        case OctreeWalk::kFromAncestor:
+        case OctreeTraversal::kFromAncestor:
             octree_walk::from_ancestor(tree, octree_ray, t, range.end, t_far, counts, visit);
             break;
-        case OctreeWalk::kTopDown:
+        case OctreeTraversal::kTopDown:
             octree_walk::top_down(tree, octree_ray, t, end, t_far, counts, visit);
             break;
     }

@@ -97,12 +97,14 @@ MeshFile read_mesh_file(ObjectReader& scene, MeshFormat format,
         file.voxel_size_m = scene.number("voxel_size_m", {1e-6, 1e3}, std::nullopt);
     }
     file.unit_m = scene.number("unit_m", {1e-6, 1e6}, file.unit_m);
+    file.solid = scene.boolean("solid", file.solid);
     if (format != MeshFormat::kNff) {  // which emits nothing
         file.emission_scale = scene.number("emission_scale", {0.0, 1e9}, file.emission_scale);
     }
     if (format != MeshFormat::kGltf) {
         constexpr std::string_view kAxes[] = {"y", "z"};
         file.z_up = scene.choice("up", kAxes, 0) == 1;
+        file.two_sided = scene.boolean("two_sided", file.two_sided);
     }
     if (format == MeshFormat::kObj && scene.has("materials")) {
         file.materials = read_file_name(scene, "materials");
@@ -114,6 +116,9 @@ TriangleMesh load_mesh(const MeshFile& file) {
     const Source source = open(file);
     TriangleMesh mesh = load_as_it_stands(source, file);
     if (mesh.triangles.empty()) throw IoError(source.name, "has no triangles");
+    if (file.format != MeshFormat::kGltf) {  // whose materials say it themselves
+        for (MeshMaterial& material : mesh.materials) material.double_sided = file.two_sided;
+    }
     // Of glTF's axes and metres nothing changes, and no digit is lost.
     for (Vec3& p : mesh.positions) {
         if (file.z_up) p = Vec3(p.x, p.z, -p.y);

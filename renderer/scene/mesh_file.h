@@ -27,6 +27,8 @@ struct MeshFile {
     std::filesystem::path path;
     std::optional<std::string> materials;  // of OBJ: the MTL file to take, in the same folder
     bool z_up = false;                     // of OBJ and NFF
+    bool two_sided = true;                 // of OBJ and NFF: all surfaces have two fronts
+    bool solid = false;                    // what the surface closes in is filled
     double unit_m = 1.0;
     double emission_scale = 1.0;  // of glTF and OBJ: W·m⁻²·sr⁻¹ per unit of emission
 };

@@ -18,6 +18,7 @@ Json write_mesh_world(const MeshWorld& world) {
             {"materials", world.materials},
             {"textures", world.textures},
             {"voxels", v.voxels},
+            {"filled_voxels", v.filled_voxels},
             {"seconds", v.seconds},
             {"peak_bytes", v.peak_bytes},
             {"checked_points", v.checked_points},
@@ -34,6 +35,7 @@ MeshWorld read_mesh_world(const Json& json) {
     world.materials = json.at("materials");
     world.textures = json.at("textures");
     v.voxels = json.at("voxels");
+    v.filled_voxels = json.at("filled_voxels");
     v.seconds = json.at("seconds");
     v.peak_bytes = json.at("peak_bytes");
     v.checked_points = json.at("checked_points");

@@ -31,6 +31,8 @@ struct Scene {
     std::string licence;
     VoxelTree tree;
     std::optional<MeshWorld> mesh;  // where it was made of one
+    SurfaceTriangles surface;       // the same; in the tree's space
+    bool solid_ground = false;      // a heightmap: all below the surface is ground
     Media media;                    // in metres; octrees of the default depth
     double voxel_size_m = 1.0;
     Vec3 corner_m{0.0};
@@ -42,7 +44,9 @@ struct Scene {
 
     Vec3 to_voxels(const Vec3& position_m) const { return (position_m - corner_m) / voxel_size_m; }
     Vec3 to_metres(const Vec3& position) const { return position * voxel_size_m + corner_m; }
-    uint64_t memory_bytes() const { return tree.memory_bytes() + media.memory_bytes(); }
+    uint64_t memory_bytes() const {
+        return tree.memory_bytes() + media.memory_bytes() + surface.memory_bytes();
+    }
     bool emits() const { return !tree.colors().emission.empty(); }
 
     /// Distance in metres beyond which no ray from this point can meet a voxel.

@@ -11,6 +11,7 @@
 #include "io/json.h"
 #include "io/sha256.h"
 #include "scene/heightmap/heightmap_import.h"
+#include "scene/surface_file.h"
 #include "scene/vox/vox_import.h"
 #include "voxels/tree_file.h"
 
@@ -68,10 +69,11 @@ struct World {
     Vec3 lowest{0.0};                    // where its corner lies in the file's own space, voxels
     std::optional<double> voxel_size_m;  // of meshes: the scene file need not say it
     std::optional<MeshWorld> mesh;
+    SurfaceTriangles surface;
     std::vector<std::string> warnings;
 };
 
-/// The voxels of a mesh, which itself is not kept.
+/// The voxels of a mesh, of which nothing else is kept but where its triangles lie.
 World make_mesh_world(const MeshFile& file) {
     World world;
     TriangleMesh mesh = load_mesh(file);
@@ -79,12 +81,18 @@ World make_mesh_world(const MeshFile& file) {
     world.voxel_size_m = size_m;
     world.warnings = std::move(mesh.warnings);
     try {
-        VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = size_m});
+        VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = size_m, .solid = file.solid});
         world.tree = std::move(made.tree);
+        world.surface = std::move(made.surface);
         world.lowest = made.corner_m / size_m;
         world.mesh = {made.report, mesh.materials.size(), mesh.textures.size(), mesh.suns};
     } catch (const std::invalid_argument& error) {
         throw IoError(file.path.filename().string(), error.what());
+    }
+    if (file.solid && world.mesh->voxels.filled_voxels == 0) {
+        world.warnings.emplace_back(
+            "nothing was filled: the surface closes nothing in, or has openings of a voxel or "
+            "more");
     }
     if (world.mesh->voxels.uncovered_points > 0) {
         world.warnings.push_back(std::to_string(world.mesh->voxels.uncovered_points) +
@@ -119,19 +127,26 @@ World make_world(const SceneFile& file, SceneLoadStats& stats) {
     return world;
 }
 
-void save_world(const std::filesystem::path& path, const World& world) {
+std::filesystem::path cached_surface(const std::filesystem::path& cache_dir,
+                                     const std::string& sha256) {
+    return cache_dir / (sha256 + ".surface");
+}
+
+void save_world(const std::filesystem::path& cache_dir, const std::string& sha256,
+                const World& world) {
     Json notes = {{"lowest", {world.lowest.x, world.lowest.y, world.lowest.z}},
                   {"warnings", world.warnings}};
     if (world.voxel_size_m) notes["voxel_size_m"] = *world.voxel_size_m;
     if (world.mesh) notes["mesh"] = write_mesh_world(*world.mesh);
-    std::filesystem::create_directories(path.parent_path());
-    save_tree(path, world.tree, dump_json(notes));
+    std::filesystem::create_directories(cache_dir);
+    if (world.mesh) save_surface(cached_surface(cache_dir, sha256), world.surface);
+    save_tree(cached_tree(cache_dir, sha256), world.tree, dump_json(notes));
 }
 
-/// No value where the cache has no whole file of it.
-std::optional<World> load_world(const std::filesystem::path& path) {
+/// No value where the cache does not have all of it, whole.
+std::optional<World> load_world(const std::filesystem::path& cache_dir, const std::string& sha256) {
     try {
-        TreeFile file = load_tree(path);
+        TreeFile file = load_tree(cached_tree(cache_dir, sha256));
         const Json notes = parse_json(file.notes);
         World world{.tree = std::move(file.tree)};
         for (int axis = 0; axis < 3; ++axis) {
@@ -140,7 +155,10 @@ std::optional<World> load_world(const std::filesystem::path& path) {
         if (notes.contains("voxel_size_m")) {
             world.voxel_size_m = notes["voxel_size_m"].get<double>();
         }
-        if (notes.contains("mesh")) world.mesh = read_mesh_world(notes["mesh"]);
+        if (notes.contains("mesh")) {
+            world.mesh = read_mesh_world(notes["mesh"]);
+            world.surface = load_surface(cached_surface(cache_dir, sha256));
+        }
         world.warnings = notes.at("warnings").get<std::vector<std::string>>();
         return world;
     } catch (const IoError&) {
@@ -165,6 +183,8 @@ void put_world(World world, const SceneFile& file, Media media, Scene& scene) {
     scene.warnings = std::move(world.warnings);
     if (world.voxel_size_m) scene.voxel_size_m = *world.voxel_size_m;
     scene.mesh = std::move(world.mesh);
+    scene.surface = std::move(world.surface);
+    scene.solid_ground = file.heightmap.has_value();
     scene.corner_m = file.origin_m + world.lowest * scene.voxel_size_m;
     scene.media = std::move(media);
 }
@@ -265,7 +285,7 @@ Scene load_scene(const SceneFile& file, const std::optional<std::filesystem::pat
     try {
         if (cache_dir) {
             const std::filesystem::path stem = cached_stem(*cache_dir, scene.sha256);
-            save_world(cached_tree(*cache_dir, scene.sha256), world);
+            save_world(*cache_dir, scene.sha256, world);
             cache_grids(file.media, stem);
             media = load_media(file.media, stem);
         }
@@ -287,7 +307,7 @@ std::optional<Scene> find_cached_scene(const SceneFile& file,
                                        const std::filesystem::path& cache_dir) {
     const auto start = Clock::now();
     Scene scene = scene_of(file);
-    std::optional<World> world = load_world(cached_tree(cache_dir, scene.sha256));
+    std::optional<World> world = load_world(cache_dir, scene.sha256);
     if (!world) return std::nullopt;
     try {
         put_world(std::move(*world), file,
@@ -296,6 +316,7 @@ std::optional<Scene> find_cached_scene(const SceneFile& file,
         return std::nullopt;
     }
     mark_used(cached_tree(cache_dir, scene.sha256));
+    if (scene.mesh) mark_used(cached_surface(cache_dir, scene.sha256));
     scene.load.from_cache = true;
     scene.load.total_seconds = seconds_since(start);
     return scene;
@@ -304,7 +325,7 @@ std::optional<Scene> find_cached_scene(const SceneFile& file,
 void import_scene(const SceneFile& file, const std::filesystem::path& cache_dir) {
     SceneLoadStats stats;
     const std::string sha256 = content_sha256(file);
-    save_world(cached_tree(cache_dir, sha256), make_world(file, stats));
+    save_world(cache_dir, sha256, make_world(file, stats));
     cache_grids(file.media, cached_stem(cache_dir, sha256));
 }
 
@@ -312,6 +333,7 @@ void remove_cached_scene(const SceneFile& file, const std::string& sha256,
                          const std::filesystem::path& cache_dir) {
     std::error_code error;
     std::filesystem::remove(cached_tree(cache_dir, sha256), error);
+    std::filesystem::remove(cached_surface(cache_dir, sha256), error);
     remove_cached_grids(file.media, cached_stem(cache_dir, sha256));
 }
 

@@ -76,12 +76,14 @@ int bake(const BakeOptions& options) {
 }
 
 int check(const BakeOptions& options) {
-    const JobSpec job = read_job_file(options.job);
+    JobSpec job = read_job_file(options.job);
     RenderPool pool(options.scenes.threads);
     Json plan;
+    Json places;
     Json forecast;
     pool.run([&] {
         const std::shared_ptr<const Scene> scene = load(options.scenes, job.scene);
+        places = write_places(job, place_probes(*scene, job, {}));
         const Plan made = make_plan(*scene, job);
         plan = write_plan(made);
         forecast = write_forecast(make_forecast(*scene, job, made, pool.threads(), {}));
@@ -89,6 +91,7 @@ int check(const BakeOptions& options) {
     const Json answer = {{"valid", true},
                          {"effective_request", write_job(job)},
                          {"plan", std::move(plan)},
+                         {"validity", std::move(places)},
                          {"estimate", std::move(forecast)}};
     if (options.json) {
         std::cout << dump_json(answer, 2) << '\n';

@@ -34,6 +34,7 @@ class BakeRun {
         enter(BakePhase::kLoading);
         scene_ = params_.scene(params_.cancel);
         params_.cancel.throw_if_cancelled();
+        params_.pool.run([&] { places_ = place_probes(*scene_, job_, params_.cancel); });
         plan_ = make_plan(*scene_, job_);
         begin_ = Clock::now();  // a budget of seconds does not pay for loading
         light();
@@ -230,7 +231,7 @@ class BakeRun {
         for (size_t p = grid.first_probe; p < grid.first_probe + grid.size(); ++p) {
             const ProbeResult& result = results_.at(p * states_.size() + state);
             tiles.push_back(&*result.ddgi);
-            about.valid = about.valid && !result.inside_voxel;
+            about.valid = about.valid && job_.probes[p].place->valid;
         }
         GridResult result;
         params_.pool.run(
@@ -275,7 +276,8 @@ class BakeRun {
                                 .wall_seconds = seconds_between(begin_, Clock::now()),
                                 .seconds_to_first_probe = first_unit_seconds_,
                                 .peak_memory_bytes = peak_memory_bytes(),
-                                .threads = params_.pool.threads()};
+                                .threads = params_.pool.threads(),
+                                .places = places_};
         std::vector<MeasuredError> pooled;
         for (const Pilot& pilot : pilots_) pooled.push_back(pooled_error(record, pilot.state.spec));
         for (size_t i = 0; params_.row_sink && i < results.size(); ++i) {
@@ -289,11 +291,12 @@ class BakeRun {
     }
 
     const BakeParams& params_;
-    const JobSpec& job_;
+    JobSpec job_;  // with its probes placed
     const Clock::time_point start_ = Clock::now();
     Clock::time_point begin_ = start_;
     Clock::time_point render_begin_ = start_;
     std::shared_ptr<const Scene> scene_;
+    PlacesRecord places_;
     Plan plan_;
     std::vector<ReadyState> states_;
     std::vector<Pilot> pilots_;

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "bake/forecast.h"
+#include "bake/probe_places.h"
 #include "http/api.h"
 #include "http/file_answer.h"
 #include "http/page_token.h"
@@ -168,17 +169,25 @@ void Api::check(const Call& call) {
         throw SpecError(SpecError::Kind::kUnacceptable, "/scene",
                         std::string("the scene cannot be loaded: ") + error.what());
     }
-    const Plan plan = make_plan(*scene, request.spec);
+    JobSpec spec = request.spec;
+    std::optional<PlacesRecord> places;
+    try {
+        parts_.on_pool([&] { places = place_probes(*scene, spec, deadline.token()); });
+    } catch (const Cancelled&) {
+        spec = request.spec;  // planned where they were asked for
+    }
+    const Plan plan = make_plan(*scene, spec);
     Json answer = {{"valid", true},
-                   {"effective_request", write_job(request.spec)},
-                   {"plan", write_plan(plan)}};
+                   {"effective_request", write_job(spec)},
+                   {"plan", write_plan(plan)},
+                   {"validity", places ? write_places(spec, *places) : Json()}};
     try {
         parts_.on_pool([&] {
             const SkySource skies = [&](const std::filesystem::path& picture) {
                 return parts_.sky(picture, deadline.token());
             };
             answer["estimate"] = write_forecast(
-                make_forecast(*scene, request.spec, plan, parts_.threads, deadline.token(), skies));
+                make_forecast(*scene, spec, plan, parts_.threads, deadline.token(), skies));
         });
     } catch (const Cancelled&) {
         answer["estimate"] = nullptr;  // the renderers are busy, or the job's probes take too long

@@ -190,5 +190,28 @@ TEST(JobSpec, CountsTexelsAndPixels) {
     EXPECT_EQ(texel_count(job), 6u * 6 * 16 * 16);
 }
 
+TEST(JobSpec, ValidityIsAskedOrNot) {
+    EXPECT_FALSE(test::small_job().validity);
+    EXPECT_FALSE(write_job(test::small_job()).contains("validity"));
+    const JobSpec plain = read_job(with("/validity", Json::object()));
+    ASSERT_TRUE(plain.validity);
+    EXPECT_EQ(plain.validity->rules.max_backface, 0.25);
+    EXPECT_EQ(plain.validity->rules.max_closed_in, 1.0);
+    EXPECT_FALSE(plain.validity->relocate);
+    EXPECT_EQ(plain.validity->max_offset_m, 0.0);
+    const Json full = {
+        {"max_backface", 0.4}, {"max_closed_in", 0.7}, {"relocate", true}, {"max_offset_m", 1.5}};
+    const JobSpec job = read_job(with("/validity", full));
+    EXPECT_EQ(write_job(job)["validity"], full);
+    EXPECT_EQ(problem_of(with("/validity", true)).substr(0, 14), "400 /validity:");
+    EXPECT_EQ(problem_of(with("/validity/max_backface", 1.5)).substr(0, 27),
+              "422 /validity/max_backface:");
+    EXPECT_EQ(problem_of(with("/validity/max_offset_m", 1.0)),
+              "422 /validity/max_offset_m: moves nothing: expected \"relocate\": true with it");
+    EXPECT_EQ(problem_of(with("/validity/relocate", "yes")).substr(0, 23),
+              "400 /validity/relocate:");
+    EXPECT_EQ(problem_of(with("/validity/offset", 1)).substr(0, 21), "400 /validity/offset:");
+}
+
 }  // namespace
 }  // namespace probebake

@@ -54,5 +54,32 @@ TEST(Plan, CountsAndWarns) {
     EXPECT_EQ(write_plan(plan)["work_units"], 6u);
 }
 
+TEST(Plan, MakesAnObjectOctreeOnlyWhereValidityAsksAMesh) {
+    const auto why = [](const Plan& plan) -> std::string {
+        for (const LeftOut& left : plan.left_out) {
+            if (left.what == "object octree") return left.why;
+        }
+        return "";
+    };
+    Scene scene = test::small_scene();
+    Json request = test::small_request();
+    const JobSpec plain = read_job(request);
+    request["validity"] = Json::object();
+    const JobSpec asks = read_job(request);
+    EXPECT_EQ(why(make_plan(scene, asks)), "the scene has no mesh");
+    EXPECT_FALSE(make_plan(scene, asks).needs_object_octree);
+    scene.mesh = MeshWorld{};
+    EXPECT_EQ(why(make_plan(scene, asks)), "all surfaces of the mesh have two fronts, or holes");
+    scene.surface.triangles.resize(1);
+    scene.surface.one_sided = 1;
+    EXPECT_EQ(why(make_plan(scene, plain)),
+              "the mesh has become voxels; only validity would ask its triangles");
+    EXPECT_EQ(write_plan(make_plan(scene, plain))["object_octree"], false);
+    const Plan plan = make_plan(scene, asks);
+    EXPECT_TRUE(plan.needs_object_octree);
+    EXPECT_EQ(why(plan), "");
+    EXPECT_EQ(write_plan(plan)["object_octree"], true);
+}
+
 }  // namespace
 }  // namespace probebake

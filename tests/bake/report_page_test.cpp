@@ -73,5 +73,20 @@ TEST(ReportPage, RefusesWhatIsNoReport) {
     }
 }
 
+TEST(ReportPage, NamesProbesInInvalidPlaces) {
+    Json report = report_of(test::small_job(1, {{"rays", 9000}}));
+    EXPECT_EQ(count(report_page(report), "Places of probes"), 0u);
+    report["validity"] = {{"probes", 12},
+                          {"invalid", 3},
+                          {"moved", 2},
+                          {"invalid_probes", {"a", "b"}},
+                          {"object_octree", nullptr},
+                          {"seconds", 0.1}};
+    const std::string page = report_page(report);
+    EXPECT_EQ(count(page, "12 probes, 2 of them moved, 3 invalid."), 1u);
+    EXPECT_EQ(count(page, "<span class=\"invalid\">"), 2u);
+    EXPECT_EQ(count(page, "</span> …"), 1u);
+}
+
 }  // namespace
 }  // namespace probebake

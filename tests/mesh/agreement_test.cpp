@@ -37,6 +37,8 @@ TEST(MeshAgreement, RaysEndWithinAVoxelOfTheSurface) {
     EXPECT_EQ(fine.rays, 20'000u);
     EXPECT_EQ(fine.behind, 0u);
     EXPECT_GE(fine.share(fine.agree), 0.999);
+    EXPECT_GT(fine.same_surface, 18'000u);
+    EXPECT_EQ(fine.within_cosine, fine.same_surface);
     // Along the ray they may be farther apart: voxels stand out before a surface, and a ray at a
     // grazing angle meets them that much earlier. docs/decisions.md has what is to be expected.
     EXPECT_GT(fine.share(fine.along), 0.65);

@@ -7,6 +7,7 @@
 #include "math/random.h"
 #include "mesh/mesh_surface.h"
 #include "mesh/surface_check.h"
+#include "mesh/triangle_box.h"
 #include "mesh/voxelise.h"
 #include "objects/object_octree.h"
 #include "voxels/trace.h"
@@ -23,6 +24,10 @@ class MeshRays {
 
     ObjectHit closest_hit(const Ray& ray, const TRange& range = {}) const {
         return octree_.closest_hit(ray, range);
+    }
+    ObjectHit closest_hit(const Ray& ray, const TRange& range, OctreeTraversal how,
+                          CastCounts& counts) const {
+        return octree_.closest_hit(ray, range, how, counts);
     }
     const ObjectSet& set() const { return set_; }
 
@@ -53,6 +58,13 @@ class MeshRays {
 struct RayCheck {
     uint64_t hits = 0;
     uint64_t outside = 0;  // of these, in no voxel
+    /// Of the others: what the ray sees where it hits, filtered to a voxel, beside the voxel's own
+    /// albedo, which is that of the surface nearest to its middle. Largest channel, 0 to 1.
+    double albedo_difference = 0.0;  // summed
+    uint64_t same_albedo = 0;        // within 1/32
+    uint64_t emissive_hits = 0;
+    uint64_t dark_voxels = 0;             // of these, in a voxel that emits nothing
+    uint64_t emissive_voxels_unseen = 0;  // hits that emit nothing, in one that does
 };
 
 /// Rays along the axes through the middles of voxels, as the thesis made its data: every hit with
@@ -80,6 +92,20 @@ inline RayCheck check_axis_rays(const GridMesh& grid, const MeshSurface& surface
             if (!surface.is_there(triangle, rays.barycentric(hit.object, at))) continue;
             ++check.hits;
             if (!is_covered(tree, at)) ++check.outside;
+            const auto voxel = tree.find_voxel(IVec3(glm::floor(at)));
+            if (!voxel) continue;  // on the border of one
+            const Vec3 barycentric = rays.barycentric(hit.object, at);
+            const ColorPyramid& colors = tree.colors();
+            const Rgb seen = glm::clamp(surface.albedo(triangle, barycentric, 1.0), 0.0f, 1.0f);
+            const Rgb gap = glm::abs(seen - unpack_rgb(colors.albedo.voxels[*voxel]));
+            const float most = std::max({gap.r, gap.g, gap.b});
+            check.albedo_difference += static_cast<double>(most);
+            if (most <= 1.0f / 32.0f) ++check.same_albedo;
+            const bool glows = !colors.emission.empty() && colors.emission.voxels[*voxel] != 0;
+            const bool shines = surface.emission(triangle, barycentric, 1.0) != Rgb(0.0f);
+            if (shines) ++check.emissive_hits;
+            if (shines && !glows) ++check.dark_voxels;
+            if (!shines && glows) ++check.emissive_voxels_unseen;
         }
     }
     return check;
@@ -95,6 +121,14 @@ struct Agreement {
     uint64_t agree = 0;
     uint64_t along = 0;  // the hits are within a diagonal of each other, along the ray
     uint64_t past = 0;   // the voxels are hit, and the mesh is passed altogether
+    /// The triangle that is hit touches the very voxel that is hit; the others have passed an edge
+    /// of what made that voxel. And of these, those within a diagonal over the cosine of incidence
+    /// along the ray: all.
+    uint64_t same_surface = 0;
+    uint64_t within_cosine = 0;
+    /// Of those that meet the mesh at 60° to its surface or more: all, and those within a diagonal.
+    uint64_t steep = 0;
+    uint64_t steep_along = 0;
 
     double share(uint64_t of) const { return static_cast<double>(of) / static_cast<double>(rays); }
 };
@@ -112,6 +146,7 @@ inline bool is_near_surface(const MeshRays& rays, const Vec3& point, double most
 inline Agreement compare(const TriangleMesh& mesh, double voxel_size_m, uint64_t count,
                          uint64_t seed) {
     constexpr double kDiagonal = 1.7320508075688772;
+    constexpr double kSteepCosine = 0.8660254037844386;
     const VoxelisedMesh made = voxelise(mesh, {.voxel_size_m = voxel_size_m});
     const GridMesh grid = make_grid_mesh(mesh, voxel_size_m);
     const MeshSurface surface(mesh, grid);
@@ -140,7 +175,19 @@ inline Agreement compare(const TriangleMesh& mesh, double voxel_size_m, uint64_t
             continue;
         }
         if (!hit) ++agreement.past;
-        if (hit && hit.t - voxel.t <= kDiagonal) ++agreement.along;
+        if (hit) {
+            const double gap = hit.t - voxel.t;
+            const Vec3 normal = normal_at(rays.set(), hit.object, at(hit.t));
+            const double cosine = std::abs(glm::dot(normal, ray.direction));
+            if (gap <= kDiagonal) ++agreement.along;
+            const TriangleBox triangle(grid.triangles[hit.object].vertices);
+            if (triangle.overlaps(voxel.corner * kGridUnits, kGridUnits)) {
+                ++agreement.same_surface;
+                if (gap * cosine <= kDiagonal + 1e-6) ++agreement.within_cosine;
+            }
+            if (cosine >= kSteepCosine) ++agreement.steep;
+            if (cosine >= kSteepCosine && gap <= kDiagonal) ++agreement.steep_along;
+        }
         if (is_near_surface(rays, at(voxel.t), kDiagonal + 1e-6) &&
             (!hit || is_covered(made.tree, at(hit.t)))) {
             ++agreement.agree;

@@ -67,6 +67,15 @@ inline void add_box(TriangleMesh& mesh, const Vec3& middle, const Vec3& half,
     }
 }
 
+/// A closed room of 8 m within hollow walls of 2 m, from (0, 0, 0) to (12, 12, 12).
+inline TriangleMesh make_room(bool double_sided = false) {
+    TriangleMesh mesh;
+    mesh.materials.push_back({.double_sided = double_sided});
+    add_box(mesh, Vec3(6.0), Vec3(6.0));
+    add_box(mesh, Vec3(6.0), Vec3(-4.0));  // mirrored: faces inwards
+    return mesh;
+}
+
 /// Hills of side × side quads over [0, extent]², and boxes on and in them: 2 side² + 12 boxes
 /// triangles.
 inline TriangleMesh make_level(int side, int boxes, double extent_m, uint64_t seed) {

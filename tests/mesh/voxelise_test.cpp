@@ -169,5 +169,43 @@ TEST(Voxelise, RefusesWhatDoesNotFit) {
     EXPECT_EQ(voxelise(TriangleMesh{}, {.voxel_size_m = 0.5}).report.voxels, 0u);
 }
 
+TEST(Voxelise, SolidFillsWhatABoxClosesInHoweverItIsTurned) {
+    RandomStream random(11);
+    for (int i = 0; i < 12; ++i) {
+        TriangleMesh mesh;
+        test::add_material(mesh, {0.5f, 0.5f, 0.5f});
+        const Vec3 half(6.0 + 3.0 * random.uniform(), 7.0, 4.0 + 5.0 * random.uniform());
+        const glm::dmat3 turned = i == 0 ? glm::dmat3(1.0) : test::random_rotation(random);
+        test::add_box(mesh, Vec3(16.0), half, turned);
+        const double size_m = 0.37;
+        const VoxelisedMesh shell = voxelise(mesh, {.voxel_size_m = size_m});
+        const VoxelisedMesh solid = voxelise(mesh, {.voxel_size_m = size_m, .solid = true});
+        EXPECT_EQ(shell.report.filled_voxels, 0u);
+        EXPECT_EQ(solid.report.voxels, shell.report.voxels + solid.report.filled_voxels);
+        EXPECT_EQ(solid.report.hausdorff_m, shell.report.hausdorff_m);
+        const double volume = 8.0 * half.x * half.y * half.z / (size_m * size_m * size_m);
+        // A voxel on the surface stands out by half of itself, more or less.
+        EXPECT_GT(static_cast<double>(solid.report.voxels), volume);
+        EXPECT_LT(static_cast<double>(solid.report.filled_voxels), volume);
+        for (int k = 0; k < 2000; ++k) {
+            const Vec3 unit(2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0,
+                            2.0 * random.uniform() - 1.0);
+            const Vec3 at = (Vec3(16.0) + turned * (half * unit) - solid.corner_m) / size_m;
+            ASSERT_TRUE(solid.tree.occupied(IVec3(glm::floor(at)))) << i << ' ' << k;
+        }
+    }
+}
+
+TEST(Voxelise, SolidLeavesAnOpenBoxHollow) {
+    TriangleMesh mesh;
+    test::add_material(mesh, {0.5f, 0.5f, 0.5f});
+    test::add_box(mesh, Vec3(8.0), Vec3(6.0));
+    mesh.triangles.resize(10);  // without its last side
+    const VoxelisedMesh shell = voxelise(mesh, {.voxel_size_m = 0.5});
+    const VoxelisedMesh solid = voxelise(mesh, {.voxel_size_m = 0.5, .solid = true});
+    EXPECT_EQ(solid.report.filled_voxels, 0u);
+    EXPECT_EQ(solid.tree, shell.tree);
+}
+
 }  // namespace
 }  // namespace probebake

@@ -10,8 +10,8 @@ namespace {
 using test::kWorldSide;
 
 constexpr int kRaysPerFamily = 1800;
-constexpr OctreeWalk kWalks[] = {OctreeWalk::kFromRoot, OctreeWalk::kFromAncestor,
-                                 OctreeWalk::kTopDown};
+constexpr OctreeTraversal kWalks[] = {OctreeTraversal::kFromRoot, OctreeTraversal::kFromAncestor,
+                                      OctreeTraversal::kTopDown};
 
 TEST(ObjectOctree, AgreesWithBruteForceOnEveryRayFamily) {
     for (const test::ObjectWorld& world : test::object_worlds()) {
@@ -32,7 +32,7 @@ TEST(ObjectOctree, AgreesWithBruteForceOnEveryRayFamily) {
                                         : ObjectHit{};
                 hits += expected ? 1 : 0;
                 for (const ObjectOctree& octree : octrees) {
-                    for (const OctreeWalk how : kWalks) {
+                    for (const OctreeTraversal how : kWalks) {
                         const auto what = [&] {
                             return world.name + ", " + family.name + ", ray " + std::to_string(i) +
                                    ", walk " + std::to_string(static_cast<int>(how));
@@ -84,14 +84,14 @@ TEST(ObjectOctree, CountsEveryTestOfEveryLeaf) {
     const ObjectOctree octree(set, boxes, {.max_depth = 1});
     CastCounts counts;
     const ObjectHit hit = octree.closest_hit({Vec3(-1.0, 7.5, 8.5), Vec3(1.0, 0.0, 0.0)}, {},
-                                             OctreeWalk::kTopDown, counts);
+                                             OctreeTraversal::kTopDown, counts);
     EXPECT_EQ(hit.object, 0u);
     EXPECT_EQ(counts.tests, 1u);  // it ends in the first leaf
     EXPECT_EQ(counts.walk.steps, 2u);
     CastCounts past;
     EXPECT_EQ(octree
                   .closest_hit({Vec3(-1.0, 6.5, 7.0), Vec3(1.0, 0.0, 0.0)}, {},
-                               OctreeWalk::kTopDown, past)
+                               OctreeTraversal::kTopDown, past)
                   .object,
               ObjectHit::kNone);
     EXPECT_EQ(past.tests, 2u);

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSide = 16.0;
 constexpr int kRaysPerFamily = 900;
-constexpr OctreeWalk kWalks[] = {OctreeWalk::kFromRoot, OctreeWalk::kFromAncestor,
-                                 OctreeWalk::kTopDown};
+constexpr OctreeTraversal kWalks[] = {OctreeTraversal::kFromRoot, OctreeTraversal::kFromAncestor,
+                                      OctreeTraversal::kTopDown};
 
 struct Leaf {
     Box box;
@@ -146,7 +146,7 @@ TEST(OctreeWalk, EveryWalkShowsTheLeavesOfBruteForceOnEveryRayFamily) {
                 const Ray ray = family.make(random, kSide);
                 const TRange range = kRanges[static_cast<size_t>(i) % std::size(kRanges)];
                 const Expected expected = brute_force(test, ray, range);
-                for (const OctreeWalk how : kWalks) {
+                for (const OctreeTraversal how : kWalks) {
                     const std::string what = family.name + ", ray " + std::to_string(i) +
                                              ", walk " + std::to_string(static_cast<int>(how));
                     WalkCounts counts;
@@ -157,12 +157,12 @@ TEST(OctreeWalk, EveryWalkShowsTheLeavesOfBruteForceOnEveryRayFamily) {
                              return false;
                          });
                     ASSERT_EQ(got, expected.shown) << what;
-                    ASSERT_NO_FATAL_FAILURE(
-                        expect_counts(counts,
-                                      how == OctreeWalk::kFromRoot       ? expected.from_root
-                                      : how == OctreeWalk::kFromAncestor ? expected.from_ancestor
-                                                                         : expected.top_down,
-                                      what));
+                    ASSERT_NO_FATAL_FAILURE(expect_counts(
+                        counts,
+                        how == OctreeTraversal::kFromRoot       ? expected.from_root
+                        : how == OctreeTraversal::kFromAncestor ? expected.from_ancestor
+                                                                : expected.top_down,
+                        what));
                     shown += got.size();
                 }
             }
@@ -178,7 +178,7 @@ TEST(OctreeWalk, EndsWhereTheVisitorSaysSo) {
         const Ray ray = test::towards(random, test::random_point(random, kSide), 40.0);
         const Expected expected = brute_force(test, ray, {});
         if (expected.shown.size() < 2) continue;
-        for (const OctreeWalk how : kWalks) {
+        for (const OctreeTraversal how : kWalks) {
             WalkCounts counts;
             size_t calls = 0;
             walk(test.tree, how, ray, {}, counts,

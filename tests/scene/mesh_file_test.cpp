@@ -68,6 +68,36 @@ TEST_F(MeshFileTest, FieldsOfAMesh) {
               "none");
 }
 
+TEST_F(MeshFileTest, SidesAndSolids) {
+    write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::string fields = R"("type": "obj", "file": "m.obj", "voxel_size_m": 0.1)";
+    const SceneFile plain = scene(fields);
+    EXPECT_FALSE(plain.mesh->solid);
+    EXPECT_TRUE(load_mesh(*plain.mesh).materials.at(0).double_sided);
+    EXPECT_TRUE(load_scene(plain).surface.empty());
+    const SceneFile sided = scene(fields + R"(, "two_sided": false, "solid": true)");
+    EXPECT_FALSE(load_mesh(*sided.mesh).materials.at(0).double_sided);
+    const Scene loaded = load_scene(sided, folder_ / "cache");
+    EXPECT_EQ(loaded.surface.triangles.size(), 1u);
+    EXPECT_EQ(loaded.surface.one_sided, 1u);
+    ASSERT_EQ(loaded.warnings.size(), 1u);
+    EXPECT_EQ(loaded.warnings[0].substr(0, 18), "nothing was filled");
+    // And out of the cache; where its triangles are damaged or gone, all is made anew.
+    const auto cached = find_cached_scene(sided, folder_ / "cache");
+    ASSERT_TRUE(cached);
+    EXPECT_EQ(cached->surface.triangles, loaded.surface.triangles);
+    EXPECT_EQ(cached->surface.one_sided, 1u);
+    const std::filesystem::path kept = folder_ / "cache" / (loaded.sha256 + ".surface");
+    std::filesystem::resize_file(kept, std::filesystem::file_size(kept) - 1);
+    EXPECT_FALSE(find_cached_scene(sided, folder_ / "cache"));
+    EXPECT_EQ(load_scene(sided, folder_ / "cache").surface.one_sided, 1u);
+    remove_cached_scene(sided, loaded.sha256, folder_ / "cache");
+    EXPECT_TRUE(std::filesystem::is_empty(folder_ / "cache"));
+    EXPECT_NE(
+        problem_of(R"("type": "gltf", "file": "m.glb", "voxel_size_m": 1, "two_sided": true)"),
+        "none");
+}
+
 TEST_F(MeshFileTest, UnitsAndAxes) {
     write("m.obj", "v 0 0 0\nv 80 0 0\nv 0 40 16\nf 1 2 3\n");
     const SceneFile file =

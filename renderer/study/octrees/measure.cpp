@@ -12,7 +12,7 @@ namespace {
 
 struct Method {
     const char* name;
-    OctreeWalk walk;
+    OctreeTraversal walk;
 };
 struct Tree {
     SplitPlanes planes;
@@ -21,11 +21,11 @@ struct Tree {
 const std::vector<Tree>& trees() {
     static const std::vector<Tree> list = {
         {SplitPlanes::kCenter,
-         {{"Octree84-C", OctreeWalk::kFromRoot},
-          {"Octree89-C", OctreeWalk::kFromAncestor},
-          {"Octree93-C", OctreeWalk::kTopDown}}},
+         {{"Octree84-C", OctreeTraversal::kFromRoot},
+          {"Octree89-C", OctreeTraversal::kFromAncestor},
+          {"Octree93-C", OctreeTraversal::kTopDown}}},
         {SplitPlanes::kCostEstimate,
-         {{"Octree84-A", OctreeWalk::kFromRoot}, {"Octree93-A", OctreeWalk::kTopDown}}}};
+         {{"Octree84-A", OctreeTraversal::kFromRoot}, {"Octree93-A", OctreeTraversal::kTopDown}}}};
     return list;
 }
 
@@ -48,7 +48,8 @@ struct Chunk {
 
 constexpr size_t kChunkRays = 4096;
 
-ObjectHit cast(const ObjectOctree& octree, const SpdRay& ray, OctreeWalk walk, CastCounts& counts) {
+ObjectHit cast(const ObjectOctree& octree, const SpdRay& ray, OctreeTraversal walk,
+               CastCounts& counts) {
     return ray.kind == SpdRayKind::kShadow ? octree.any_hit(ray.ray, ray.range, walk, counts)
                                            : octree.closest_hit(ray.ray, ray.range, walk, counts);
 }

@@ -64,7 +64,7 @@ class Tracer {
                     .range = {offset_, distance},
                     .kind = SpdRayKind::kShadow};
         CastCounts counts;
-        cast.hit = octree_.any_hit(cast.ray, cast.range, OctreeWalk::kTopDown, counts);
+        cast.hit = octree_.any_hit(cast.ray, cast.range, OctreeTraversal::kTopDown, counts);
         rays_.push_back(cast);
     }
 

@@ -1,6 +1,7 @@
 // The cases of voxels: places, sizes, thresholds, and values at the ends of their range.
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 #include "image/exr.h"
@@ -41,6 +42,15 @@ struct Seen {
     uint64_t bad = 0;  // values that are negative or not finite
     uint64_t hits = 0;
     double brightest = 0.0;
+
+    void add(std::span<const Rgb> pixels) {
+        for (const Rgb& pixel : pixels) {
+            for (int c = 0; c < 3; ++c) {
+                bad += pixel[c] >= 0.0f && std::isfinite(pixel[c]) ? 0 : 1;
+                brightest = std::max(brightest, double{pixel[c]});
+            }
+        }
+    }
 };
 
 Seen look(const VoxelTree& tree, const Vec3& from, int face_size, RendererKind kind,
@@ -49,12 +59,7 @@ Seen look(const VoxelTree& tree, const Vec3& from, int face_size, RendererKind k
     const CubemapRender render =
         render_cubemap(scene, from, face_size, {.kind = kind, .threshold = threshold}, kNever);
     Seen seen{.hits = render.total().hits()};
-    for (const Rgb& pixel : render.color.image().pixels()) {
-        for (int c = 0; c < 3; ++c) {
-            seen.bad += pixel[c] >= 0.0f && std::isfinite(pixel[c]) ? 0 : 1;
-            seen.brightest = std::max(seen.brightest, double{pixel[c]});
-        }
-    }
+    seen.add(render.color.image().pixels());
     return seen;
 }
 
@@ -122,13 +127,32 @@ void worlds(Cases& all) {
         add(all, "threshold " + study::decimals(threshold, 0) + ", error_aware",
             look(tree, Vec3(9.3), 32, RendererKind::kErrorAware, threshold));
     }
+}
+
+/// A whole cube of the largest faces, one at a time to spare memory.
+void largest_cube(Cases& all, const std::string& world, const VoxelTree& tree, const Vec3& from) {
+    constexpr int kLargest = 4096;
     const RenderScene scene{.tree = tree, .color = tree.colors().albedo};
-    const ViewRender face = render_view(scene, cube_face_view(CubeFace::kNegY, 4096, Vec3(9.3)),
-                                        {.kind = RendererKind::kLod}, kNever);
-    uint64_t bad = 0;
-    for (const Rgb& pixel : face.color.pixels()) bad += pixel.r >= 0.0f && pixel.r <= 0.5f ? 0 : 1;
-    all.push_back(at_most("face size 4096, lod, one face", "values out of range",
-                          static_cast<double>(bad), 0));
+    for (const RendererKind kind : {RendererKind::kHybrid, RendererKind::kLod}) {
+        Seen seen;
+        uint64_t pixels = 0;
+        for (const CubeFace face : kCubeFaces) {
+            const ViewRender view = render_view(scene, cube_face_view(face, kLargest, from),
+                                                {.kind = kind}, kNever, {.face = face});
+            seen.add(view.color.pixels());
+            seen.hits += view.stats.hits();
+            pixels += view.pixels;
+        }
+        const std::string name =
+            "face size 4096, " + world + ", " + std::string(probebake::name_of(kind));
+        add(all, name, seen);
+        const uint64_t expected = owned_pixel_count(kLargest);
+        all.push_back({.name = name,
+                       .checked = "pixels that the six faces own",
+                       .value = study::grouped_digits(pixels),
+                       .bound = study::grouped_digits(expected),
+                       .pass = pixels == expected});
+    }
 }
 
 void emissions(Cases& all) {
@@ -193,10 +217,12 @@ void bad_input(Cases& all) {
 
 }  // namespace
 
-std::vector<StabilityCase> voxel_cases() {
+std::vector<StabilityCase> voxel_cases(bool full) {
     Cases all;
     far_from_the_origin(all);
     worlds(all);
+    largest_cube(all, "one voxel", VoxelTree::build(world_of({{1, 1, 1}}, 2)), {0.5, 1.5, 1.5});
+    if (full) largest_cube(all, "a room", room(), Vec3(9.3));
     emissions(all);
     bad_input(all);
     return all;

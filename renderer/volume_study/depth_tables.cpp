@@ -177,7 +177,7 @@ void plot_depths(const std::filesystem::path& out, const study::TextTable& count
                   .title = counts.title,
                   .x_label = "depth",
                   .y_label = "over delta tracking at depth 1",
-                  .log_axes = "xy",
+                  .log_axes = "y",
                   .lines = {}};
     const auto add = [&](const std::string& name, auto ours, const PerDepth& theirs, double base) {
         PlotLine line{name, {}};

@@ -155,8 +155,29 @@ void largest_cube(Cases& all, const std::string& world, const VoxelTree& tree, c
     }
 }
 
+/// The brightest pixel of a voxel that emits, over its emission.
+double shown_emission(float radiance, int exponent) {
+    VoxelCloud cloud{.depth = 2};
+    cloud.emission_scale = std::ldexp(1.0f, exponent);
+    cloud.voxels.push_back(
+        make_voxel({1, 1, 1}, pack_rgb(Rgb(0.5f)), pack_rgb(Rgb(radiance / cloud.emission_scale))));
+    const VoxelTree tree = VoxelTree::build(std::move(cloud));
+    const RenderScene scene{.tree = tree, .color = tree.colors().emission};
+    Seen seen;
+    seen.add(render_cubemap(scene, {0.5, 1.5, 1.5}, 16, {.kind = RendererKind::kHybrid}, kNever)
+                 .color.image()
+                 .pixels());
+    return seen.bad == 0 ? seen.brightest / double{radiance} : -1.0;
+}
+
 void emissions(Cases& all) {
     for (const float radiance : {1e-30f, 1e30f}) {
+        const double shown = shown_emission(radiance, radiance > 1.0f ? 90 : -110);
+        all.push_back({.name = radiance > 1.0f ? "emission 1e30" : "emission 1e-30",
+                       .checked = "of a voxel: brightest pixel over it",
+                       .value = short_text(shown),
+                       .bound = "1 ± 0.002",
+                       .pass = std::abs(shown - 1.0) < 0.002});
         Cubemap cube(4);
         for (Rgb& pixel : cube.image().pixels()) pixel = Rgb(radiance);
         const EncodedCubemap file = encode_cubemap(cube, {});

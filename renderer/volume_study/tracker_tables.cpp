@@ -118,14 +118,14 @@ study::TextTable control_table(const Cloud& cloud, int samples, const std::files
     table.columns = {"depth",  "control / majorant", "lookups (N_dcmp)", "ρ = N_dcmp / N_delta",
                      "mean w", "variance of w",      "ρ · variance"};
     LinePlot plot{.name = "control",
-                  .title = table.title,
+                  .title = cloud.name + ", column 10: weighted decomposition",
                   .x_label = "control / majorant",
                   .y_label = "",
                   .log_axes = "y",
                   .lines = {}};
     for (const int depth : {1, 5}) {
         const std::string at = ", depth " + std::to_string(depth);
-        for (const char* what : {"lookups over delta tracking", "variance of w", "their product"}) {
+        for (const char* what : {"lookups / delta", "variance of w", "product"}) {
             plot.lines.push_back({what + at, {}});
         }
         const Media media({cloud_medium(cloud, 10.0, Rgb(0.0f), Rgb(1.0f), 0.0)},

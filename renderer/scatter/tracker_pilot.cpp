@@ -57,11 +57,16 @@ std::string short_number(double x) {
     return text.str();
 }
 
-/// Everything that a path asks of voxels and media; a step of the emitters' tree like one of
-/// theirs.
+/// What one path, scattering or shadow ray takes besides, and a level of the emitters' tree, in
+/// steps through voxels; measured (docs/decisions.md).
+constexpr double kRaySteps = 5.0;
+constexpr double kLevelSteps = 0.5;
+
+/// Everything that a path does in voxels, media and between them.
 double whole_cost(const PathCount& count, const PilotParams& params) {
     return static_cast<double>(count.flights.leaves + count.shadows.leaves + count.steps) +
-           static_cast<double>(count.lookups()) * params.choice.lookup_cost;
+           static_cast<double>(count.lookups()) * params.choice.lookup_cost +
+           static_cast<double>(count.paths + count.scatterings + count.shadow_rays) * kRaySteps;
 }
 
 double mean_of(const Vec3& v) { return (v.x + v.y + v.z) / 3.0; }
@@ -142,7 +147,7 @@ EmitterPilot choose_emitters(const ScatterScene& scene, const TrackerChoice& cho
     PathCount found;
     double pairs = 0.0;
     double difference = 0.0;  // Σ of what E[emitted²] is more without samples
-    for (int i = 0; i < params.paths / 2; ++i) {
+    for (int i = 0; i < params.paths; ++i) {
         const auto index = static_cast<uint64_t>(i);
         RandomStream for_ray(random_key({params.key, index, 1}));
         const Ray at = ray(for_ray);
@@ -158,19 +163,18 @@ EmitterPilot choose_emitters(const ScatterScene& scene, const TrackerChoice& cho
         const Vec3 d = radiance[0] - radiance[1];
         pairs += mean_of(d * d);
     }
-    const int pair_count = params.paths / 2;
-    const double paths = 2.0 * pair_count;
+    const double paths = 2.0 * params.paths;
     out.variance_sampled = pairs / paths;
     out.variance_found = std::max(0.0, out.variance_sampled + difference / paths);
     const double tree_steps =
-        2.0 * scene.emitters->levels() * static_cast<double>(out.count.scatterings);
+        kLevelSteps * scene.emitters->levels() * static_cast<double>(out.count.scatterings);
     out.cost_sampled = (whole_cost(out.count, params) + tree_steps) / paths;
     out.cost_found = whole_cost(found, params) / paths;
     out.count += found;
     const double with = out.variance_sampled * out.cost_sampled;
     const double by_chance = out.variance_found * out.cost_found;
     out.sampled = with <= by_chance;
-    out.reason = "a pilot of " + std::to_string(params.paths) +
+    out.reason = "a pilot of " + std::to_string(2 * params.paths) +
                  " paths: with rays to the emissive voxels, variance × cost is " +
                  short_number(by_chance > 0.0 ? with / by_chance : 1.0) + " of that without";
     return out;

@@ -63,8 +63,8 @@ struct EmitterPilot {
     std::string reason;
     PathCount count;
 };
-/// Whether variance × cost is less with rays to the emitters of the scene than without, by pairs
-/// of paths with the same rays.
+/// Whether variance × cost is less with rays to the emitters of the scene than without, by
+/// params.paths pairs of paths with the same ray.
 EmitterPilot choose_emitters(const ScatterScene& scene, const TrackerChoice& choice,
                              const PilotRay& ray, const PilotParams& params = {});
 

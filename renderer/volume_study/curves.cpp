@@ -1,11 +1,10 @@
 #include <cmath>
 #include <optional>
 
-#include "io/file.h"
 #include "scatter/path_tracer.h"
-#include "study/plots.h"
 #include "volume_study/cloud_picture.h"
 #include "volume_study/figures.h"
+#include "volume_study/line_plot.h"
 #include "volume_study/test_media.h"
 
 namespace probebake::volume_study {
@@ -24,37 +23,6 @@ PathFunction traced(const PathTracer& tracer) {
         cost.faults += count.all_faults();
         return path.radiance;
     };
-}
-
-struct Point {
-    double seconds;
-    double rmse;
-};
-
-/// One block of points per line, as gnuplot's `index` reads them.
-bool write_plot(const std::filesystem::path& folder, const std::string& name,
-                const std::string& title, const std::vector<std::string>& lines,
-                const std::vector<std::vector<Point>>& points) {
-    std::string data;
-    std::string plot;
-    for (size_t i = 0; i < lines.size(); ++i) {
-        data += "# " + lines[i] + "\n";
-        for (const Point& p : points[i]) {
-            data += decimals(p.seconds, 6) + " " + decimals(p.rmse, 6) + "\n";
-        }
-        data += "\n\n";
-        plot += (i > 0 ? ", \\\n     '" : "plot '") + name + ".dat' index " + std::to_string(i) +
-                " with linespoints title '" + lines[i] + "'";
-    }
-    write_file_atomically(folder / (name + ".dat"), data);
-    write_file_atomically(folder / (name + ".gp"),
-                          "set terminal svg size 720,480 dynamic background rgb 'white'\n"
-                          "set output '" +
-                              name + ".svg'\nset title \"" + title +
-                              "\" noenhanced\nset xlabel 'CPU seconds'\nset ylabel 'RMSE'\n"
-                              "set key outside right noenhanced\nset grid\nset logscale xy\n" +
-                              plot + "\n");
-    return study::run_gnuplot(folder, name + ".gp");
 }
 
 }  // namespace
@@ -87,12 +55,15 @@ study::TextTable curve_table(const Cloud& cloud, const FigureParams& params,
         // Two estimators of the truth whose weights are bounded.
         const CloudPicture r1 = picture(forced(TrackerKind::kHistoryAverage), params.reference, 81);
         const CloudPicture r2 = picture(forced(TrackerKind::kSpectralMis), params.reference, 82);
-        std::vector<std::string> names;
-        std::vector<std::vector<Point>> points;
+        LinePlot plot{.name = std::string("error_against_time_") + medium.name,
+                      .title = medium.title,
+                      .x_label = "CPU seconds",
+                      .y_label = "RMSE",
+                      .log_axes = "xy",
+                      .lines = {}};
         std::optional<double> apart;  // error² × seconds of channels apart
         const auto add = [&](const std::string& name, const TrackerChoice& choice) {
-            names.push_back(name);
-            points.emplace_back();
+            plot.lines.push_back({name, {}});
             for (const int samples : kSamples) {
                 const CloudPicture got = picture(choice, samples, 83);
                 const double mse = squared_error(got, r1, r2);
@@ -104,7 +75,9 @@ study::TextTable curve_table(const Cloud& cloud, const FigureParams& params,
                                       decimals(std::sqrt(std::max(0.0, mse)), 4),
                                       samples == kSamples.back() ? decimals(price / *apart, 2) : "",
                                       std::to_string(got.cost.faults)});
-                if (mse > 0.0) points.back().push_back({got.cost.seconds, std::sqrt(mse)});
+                if (mse > 0.0) {
+                    plot.lines.back().points.push_back({got.cost.seconds, std::sqrt(mse)});
+                }
             }
         };
         TrackerChoice apart_choice = forced(TrackerKind::kDelta);
@@ -115,8 +88,7 @@ study::TextTable curve_table(const Cloud& cloud, const FigureParams& params,
             if (kind == TrackerKind::kDelta && !facts.gray_extinction) continue;
             add(name_of(kind), forced(kind));
         }
-        write_plot(params.out, std::string("error_against_time_") + medium.name, medium.title,
-                   names, points);
+        write_plot(params.out, plot);
     }
     return table;
 }

@@ -5,6 +5,7 @@
 #include "track/media_line.h"
 #include "volume/phase.h"
 #include "volume_study/cpu_clock.h"
+#include "volume_study/line_plot.h"
 
 namespace probebake::volume_study {
 namespace {
@@ -169,9 +170,45 @@ study::TextTable times_table(const study::TextTable& counts, const Published& pu
     return table;
 }
 
+/// Look-ups and leaves visited against the depth, ours and the published, over those of depth 1.
+void plot_depths(const std::filesystem::path& out, const study::TextTable& counts,
+                 const Published& published, const std::vector<AtDepth>& runs) {
+    LinePlot plot{.name = counts.name,
+                  .title = counts.title,
+                  .x_label = "depth",
+                  .y_label = "over delta tracking at depth 1",
+                  .log_axes = "y",
+                  .lines = {}};
+    const auto add = [&](const std::string& name, auto ours, const PerDepth& theirs, double base) {
+        PlotLine line{name, {}};
+        PlotLine kutz{name + ", Kutz", {}};
+        for (size_t i = 0; i < runs.size(); ++i) {
+            const double depth = kDepths[i];
+            line.points.push_back({depth, ours(runs[i])});
+            kutz.points.push_back({depth, theirs[i] / base});
+        }
+        plot.lines.push_back(std::move(line));
+        plot.lines.push_back(std::move(kutz));
+    };
+    const TrackCount& first = runs.front().delta.count;
+    add(
+        "lookups, delta",
+        [&](const AtDepth& at) { return ratio(at.delta.count.lookups, first.lookups); },
+        published.delta, published.delta[0]);
+    add(
+        "lookups, decomposition",
+        [&](const AtDepth& at) { return ratio(at.decomposition.count.lookups, first.lookups); },
+        published.decomposition, published.delta[0]);
+    add(
+        "leaves visited",
+        [&](const AtDepth& at) { return ratio(at.delta.count.leaves, first.leaves); },
+        published.leaves, published.leaves[0]);
+    write_plot(out, plot);
+}
+
 /// Counts, then times.
 std::array<study::TextTable, 2> depth_table(const Cloud& cloud, bool thick, int paths,
-                                            uint64_t most_nodes) {
+                                            const VolumeStudyParams& params) {
     study::TextTable table;
     table.name = cloud.name + (thick ? "_thick" : "_thin") + "_depth";
     table.title = cloud.name + (thick ? ", thick (column 500)" : ", thin (column 3)") + ", " +
@@ -192,9 +229,10 @@ std::array<study::TextTable, 2> depth_table(const Cloud& cloud, bool thick, int 
     const Published& published = thick ? kThick : kThin;
     std::vector<AtDepth> runs;
     for (size_t i = 0; i < kDepths.size(); ++i) {
-        const Media media(
-            {cloud_medium(cloud, thick ? 500.0 : 3.0, Rgb(0.0f), Rgb(1.0f), 0.85)},
-            {.max_depth = kDepths[i], .threshold = thick ? 0.5 : 0.05, .most_nodes = most_nodes});
+        const Media media({cloud_medium(cloud, thick ? 500.0 : 3.0, Rgb(0.0f), Rgb(1.0f), 0.85)},
+                          {.max_depth = kDepths[i],
+                           .threshold = thick ? 0.5 : 0.05,
+                           .most_nodes = params.most_nodes});
         runs.push_back({run_paths<DeltaTracker>(media, cloud, paths),
                         run_paths<AnalogDecomposition>(media, cloud, paths)});
         const Run& delta = runs.back().delta;
@@ -213,6 +251,7 @@ std::array<study::TextTable, 2> depth_table(const Cloud& cloud, bool thick, int 
                               decimals(ratio(delta.count.lookups, first.lookups), 3),
                               decimals(published.delta[i] / published.delta[0], 3)});
     }
+    plot_depths(params.out, table, published, runs);
     study::TextTable times = times_table(table, published, runs);
     return {std::move(table), std::move(times)};
 }
@@ -226,9 +265,8 @@ std::vector<study::TextTable> depth_tables(
     for (const Cloud& cloud : clouds) {
         for (const bool thick : {false, true}) {
             progress("depth: " + cloud.name + (thick ? ", thick" : ", thin"));
-            for (study::TextTable& table :
-                 depth_table(cloud, thick, thick ? std::max(1, params.paths / 8) : params.paths,
-                             params.most_nodes)) {
+            for (study::TextTable& table : depth_table(
+                     cloud, thick, thick ? std::max(1, params.paths / 8) : params.paths, params)) {
                 tables.push_back(std::move(table));
             }
         }

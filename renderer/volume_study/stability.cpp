@@ -55,7 +55,7 @@ StabilityCase at_least(std::string name, std::string checked, double value, doub
             .pass = value >= bound};
 }
 
-StabilityReport run_stability_study(const std::filesystem::path& out,
+StabilityReport run_stability_study(const std::filesystem::path& out, bool full,
                                     const std::function<void(const std::string&)>& on_progress) {
     std::error_code ignored;  // the first file that cannot be written says what is wrong
     std::filesystem::create_directories(out, ignored);
@@ -75,7 +75,7 @@ StabilityReport run_stability_study(const std::filesystem::path& out,
     on_progress("media");
     add(media_cases());
     on_progress("voxels");
-    add(voxel_cases());
+    add(voxel_cases(full));
     on_progress("input");
     add(input_cases());
     write_file_atomically(out / "stability.csv", report.table.csv());

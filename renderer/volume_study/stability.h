@@ -40,7 +40,8 @@ StabilityCase at_least(std::string name, std::string checked, double value, doub
 /// Those of furnaces included.
 std::vector<StabilityCase> media_cases();
 std::vector<StabilityCase> furnace_cases();
-std::vector<StabilityCase> voxel_cases();
+/// `full`: also a room in cubes of 4096², which takes minutes.
+std::vector<StabilityCase> voxel_cases(bool full = false);
 /// Of numbers that are none, wherever a request or a file may hold one; those of .vdb files
 /// included.
 std::vector<StabilityCase> input_cases();
@@ -51,7 +52,7 @@ struct StabilityReport {
     int failed = 0;
 };
 /// Throws IoError for files.
-StabilityReport run_stability_study(const std::filesystem::path& out,
+StabilityReport run_stability_study(const std::filesystem::path& out, bool full,
                                     const std::function<void(const std::string&)>& on_progress);
 
 }  // namespace probebake::volume_study

@@ -12,54 +12,15 @@
 #include "light/sky_file.h"
 #include "scene/scene_library.h"
 #include "scene/vox/vox_import.h"
-#include "volume_study/stability.h"
+#include "volume_study/stability_input.h"
 
 namespace probebake::volume_study {
 namespace {
 
 using Cases = std::vector<StabilityCase>;
 
-const char* const kAnyNumber = "NaN anywhere in the input";
-
-struct Refusals {
-    int tried = 0;
-    int refused = 0;
-
-    template <class Call>
-    void expect_refusal(Call call) {
-        ++tried;
-        try {
-            call();
-        } catch (const SpecError&) {
-            ++refused;
-        } catch (const IoError&) {
-            ++refused;
-        }
-    }
-};
-
 void add(Cases& all, const std::string& what, const Refusals& got) {
-    all.push_back(at_least(kAnyNumber, what + ": refused, of " + std::to_string(got.tried),
-                           got.refused, got.tried));
-}
-
-/// Calls read(text) with every number of a document, one after the other, turned into what is none.
-template <class Read>
-Refusals with_every_number(const std::string& text, Read read) {
-    Refusals out;
-    const Json flat = parse_json(text).flatten();
-    for (const auto& [pointer, value] : flat.items()) {
-        if (!value.is_number()) continue;
-        for (const char* bad : {"NaN", "-NaN", "Infinity", "1e999", "-1e999"}) {
-            Json changed = flat;
-            changed[pointer] = "<here>";
-            std::string broken = dump_json(changed.unflatten());
-            const std::string mark = "\"<here>\"";
-            broken.replace(broken.find(mark), mark.size(), bad);
-            out.expect_refusal([&] { read(broken); });
-        }
-    }
-    return out;
+    all.push_back(refused_numbers(what, got));
 }
 
 void requests(Cases& all) {
@@ -93,20 +54,22 @@ void scene_files(Cases& all) {
         {"type": "fog", "scattering_per_m": [1, 2, 3], "base_m": 3, "scale_height_m": 10},
         {"type": "cumulus", "scattering_per_m": [1, 2, 3], "size": 32, "seed": 1,
          "width_m": 20, "rotation_deg": 10, "origin_m": [1, 2, 3]}]})";
-    write_file_atomically(folder / "a.png", std::string("not read here"));
-    write_file_atomically(folder / "a.vox", std::string("not read here"));
+    for (const char* name : {"a.png", "a.vox", "a.glb", "a.obj", "a.nff"}) {
+        write_file_atomically(folder / name, std::string("not read here"));
+    }
     Refusals sum;
     for (const char* type :
          {R"({"type": "generator", "generator": "mountain", "size": 64, "seed": 1, )",
           R"({"type": "vox", "file": "a.vox", "voxel_size_m": 0.1, )",
-          R"({"type": "heightmap", "file": "a.png", "voxel_size_m": 1, "height_scale_m": 0.1, )"}) {
+          R"({"type": "heightmap", "file": "a.png", "voxel_size_m": 1, "height_scale_m": 0.1, )",
+          R"({"type": "gltf", "file": "a.glb", "voxel_size_m": 0.1, "emission_scale": 2, )",
+          R"({"type": "obj", "file": "a.obj", "resolution": 64, "unit_m": 0.5, )",
+          R"({"type": "nff", "file": "a.nff", "voxel_size_m": 0.1, "unit_m": 0.5, )"}) {
         const std::string scene = type + media;
         read(scene);  // as it stands it is a scene
-        const Refusals part = with_every_number(scene, read);
-        sum.tried += part.tried;
-        sum.refused += part.refused;
+        sum += with_every_number(scene, read);
     }
-    add(all, "numbers of scene files (generated, .vox, heightmap; media of all kinds)", sum);
+    add(all, "numbers of scene files (generated, .vox, heights, meshes; media of all kinds)", sum);
     std::filesystem::remove_all(folder);
 }
 
@@ -142,8 +105,9 @@ void skies(Cases& all) {
     for (const Rgb& pixel : image->pixels()) {
         bad += is_finite(Vec3(pixel)) && pixel.r >= 0.0f ? 0.0 : 1.0;
     }
-    all.push_back(at_most(
-        kAnyNumber, "pixels of a sky, Radiance, all exponents: negative or not finite", bad, 0));
+    all.push_back(at_most("NaN anywhere in the input",
+                          "pixels of a sky, Radiance, all exponents: negative or not finite", bad,
+                          0));
 }
 
 std::string int32(uint32_t value) {
@@ -189,6 +153,7 @@ std::vector<StabilityCase> input_cases() {
     scene_files(all);
     skies(all);
     vox_materials(all);
+    for (StabilityCase& one : mesh_input_cases()) all.push_back(std::move(one));
     for (StabilityCase& one : vdb_cases()) all.push_back(std::move(one));
     return all;
 }

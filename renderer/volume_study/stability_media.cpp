@@ -126,6 +126,33 @@ void bad_densities(Cases& all) {
                            static_cast<double>(count.faults), 1.0));
 }
 
+/// Cosines at the ends of both arguments, and what the textbook's form makes of small g.
+void phase_ends(Cases& all) {
+    double most = 0.0;
+    for (const double g : {-0.999999, -1e-6, -1e-30, 0.0, 1e-30, 1e-6, 0.999999}) {
+        for (const double u : {0.0, 0x1.0p-53, 0.5, 1.0 - 0x1.0p-53}) {
+            const double cosine = sample_henyey_greenstein(g, u);
+            most = std::max(most, std::isfinite(cosine) ? std::abs(cosine) : 2.0);
+        }
+    }
+    all.push_back(at_most("phase function at its ends", "largest cosine", most, 1.0));
+    const auto textbook = [](float g, float u) {
+        const float s = (1.0f - g * g) / (1.0f - g + 2.0f * g * u);
+        return (1.0f + g * g - s * s) / (2.0f * g);
+    };
+    double off = 0.0;
+    for (int i = 0; i < 100; ++i) {
+        const float u = static_cast<float>(i) / 100.0f;
+        off = std::max(
+            off, std::abs(double{textbook(1e-6f, u)} - sample_henyey_greenstein(1e-6, double{u})));
+    }
+    const std::string guard = "without the guard: ";
+    all.push_back(at_least("phase function, g = 0.000001",
+                           guard + "cosine off by, textbook's form in float", off, 0.03));
+    all.push_back(at_least("phase function, g = 0.000000", guard + "textbook's form is NaN",
+                           std::isnan(textbook(0.0f, 0.25f)) ? 1.0 : 0.0, 1.0));
+}
+
 void numbers(Cases& all) {
     // b·t of a flight in one leaf: steps that do not advance t.
     for (const double bt : {1e6, 1e8}) {
@@ -159,6 +186,8 @@ void numbers(Cases& all) {
         all.push_back(
             unbiased("phase function, g = " + study::decimals(g, 6), "mean cosine", cosine, g));
     }
+
+    phase_ends(all);
 
     RandomStream random(7);
     Spectrum<3> w({1.0, 0.0, 0.0});
@@ -207,8 +236,11 @@ void stiff_spectra(Cases& all) {
     all.push_back(unbiased(name, "spectral MIS, R", mis[0], std::exp(-double{0.01f})));
     all.push_back(unbiased(name, "spectral MIS, G", mis[1], std::exp(-1.0)));
     const auto plain = escape_per_channel<SpectralTracker<Scheme::kAverage>>(media, ray);
-    all.push_back(
-        at_most(name, "without the choice: plain average, R (truth 0.99)", plain[0].mean(), 0.5));
+    const auto most = escape_per_channel<SpectralTracker<Scheme::kMax>>(media, ray);
+    const std::string choice = "without the choice: plain ";
+    all.push_back(at_most(name, choice + "average, R (truth 0.99)", plain[0].mean(), 0.5));
+    all.push_back(at_most(name, choice + "average, its variance", plain[0].variance(), 0.01));
+    all.push_back(at_most(name, choice + "maximum, R (truth 0.99)", most[0].mean(), 0.5));
     const MediaFacts facts = facts_of(media);
     all.push_back(
         at_least(name, "ratio that the choice sees (MIS above 8)", facts.extinction_ratio, 9000.0));
@@ -264,22 +296,32 @@ void transmittances(Cases& all) {
                       {.max_depth = 1, .threshold = 0.1});
     const Ray ray{{0.3, -20, 0.2}, {0, 1, 0}};
     const Ray fringe{{5.0, -20, 0.2}, {0, 1, 0}};  // where little of the majorant is there
-    const auto largest = [&](double between) {
-        double most = 0.0;
+    struct Ratios {
+        Moments moments;
+        double largest = 0.0;  // absolute
+    };
+    const auto ratios = [&](double between) {
+        Ratios out;
         RandomStream random(11);
         TrackCount count;
         for (int i = 0; i < kFlights; ++i) {
             MediaLine<1> line(cloud, fringe, {});
-            most = std::max(most, std::abs(ResidualRatio::transmittance<Gray>(line, random, count,
-                                                                              between)[0]));
+            const double t = ResidualRatio::transmittance<Gray>(line, random, count, between)[0];
+            out.moments.add(t);
+            out.largest = std::max(out.largest, std::abs(t));
         }
-        return most;
+        return out;
     };
-    all.push_back(
-        at_most("residual ratio", "largest absolute T with the minorant", largest(0.0), 1.0));
-    all.push_back(at_least("residual ratio",
-                           "without the guard: largest absolute T with the midpoint", largest(0.5),
-                           2.0));
+    const Ratios minorant = ratios(0.0);
+    const Ratios midpoint = ratios(0.5);
+    const std::string residual = "residual ratio";
+    all.push_back(unbiased(residual, "T with the minorant", minorant.moments,
+                           std::exp(-cloud.optical_depth(fringe, {})[0])));
+    all.push_back(at_most(residual, "largest absolute T with the minorant", minorant.largest, 1.0));
+    all.push_back(at_least(residual, "without the guard: largest absolute T with the midpoint",
+                           midpoint.largest, 2.0));
+    all.push_back(at_least(residual, "without the guard: variance, midpoint over minorant",
+                           midpoint.moments.variance() / minorant.moments.variance(), 10.0));
 
     const auto shell = lattice(64, [](const IVec3& p) {
         return std::abs(glm::length(Vec3(p) - 32.0) - 20.0) < 1.0 ? 1e4f : 1.0f;
@@ -303,6 +345,7 @@ void transmittances(Cases& all) {
     const double tau = thick.optical_depth(ray, {})[0];
     TrackCount plain;
     TrackCount roulette;
+    TrackCount delta;
     RandomStream random(12);
     constexpr int kRays = 200;
     for (int i = 0; i < kRays; ++i) {
@@ -310,10 +353,14 @@ void transmittances(Cases& all) {
         RatioTracking<false>::transmittance<Gray>(a, random, plain);
         MediaLine<1> b(thick, ray, {});
         RatioTracking<true>::transmittance<Gray>(b, random, roulette);
+        MediaLine<1> c(thick, ray, {});
+        DeltaVisibility::transmittance<Gray>(c, random, delta);
     }
     all.push_back(at_least("τ = 1e4 towards the sun", "optical depth", tau, 1e4));
     all.push_back(at_most("τ = 1e4 towards the sun", "look-ups per ray, ratio with roulette",
                           static_cast<double>(roulette.lookups) / kRays, 50.0));
+    all.push_back(at_most("τ = 1e4 towards the sun", "look-ups per ray, delta 0 or 1",
+                          static_cast<double>(delta.lookups) / kRays, 50.0));
     all.push_back(at_least("τ = 1e4 towards the sun", "without the guard: look-ups per ray",
                            static_cast<double>(plain.lookups) / kRays, 100.0));
 }

@@ -1,6 +1,7 @@
 // The cases of voxels: places, sizes, thresholds, and values at the ends of their range.
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 #include "image/exr.h"
@@ -41,6 +42,15 @@ struct Seen {
     uint64_t bad = 0;  // values that are negative or not finite
     uint64_t hits = 0;
     double brightest = 0.0;
+
+    void add(std::span<const Rgb> pixels) {
+        for (const Rgb& pixel : pixels) {
+            for (int c = 0; c < 3; ++c) {
+                bad += pixel[c] >= 0.0f && std::isfinite(pixel[c]) ? 0 : 1;
+                brightest = std::max(brightest, double{pixel[c]});
+            }
+        }
+    }
 };
 
 Seen look(const VoxelTree& tree, const Vec3& from, int face_size, RendererKind kind,
@@ -49,12 +59,7 @@ Seen look(const VoxelTree& tree, const Vec3& from, int face_size, RendererKind k
     const CubemapRender render =
         render_cubemap(scene, from, face_size, {.kind = kind, .threshold = threshold}, kNever);
     Seen seen{.hits = render.total().hits()};
-    for (const Rgb& pixel : render.color.image().pixels()) {
-        for (int c = 0; c < 3; ++c) {
-            seen.bad += pixel[c] >= 0.0f && std::isfinite(pixel[c]) ? 0 : 1;
-            seen.brightest = std::max(seen.brightest, double{pixel[c]});
-        }
-    }
+    seen.add(render.color.image().pixels());
     return seen;
 }
 
@@ -122,17 +127,57 @@ void worlds(Cases& all) {
         add(all, "threshold " + study::decimals(threshold, 0) + ", error_aware",
             look(tree, Vec3(9.3), 32, RendererKind::kErrorAware, threshold));
     }
+}
+
+/// A whole cube of the largest faces, one at a time to spare memory.
+void largest_cube(Cases& all, const std::string& world, const VoxelTree& tree, const Vec3& from) {
+    constexpr int kLargest = 4096;
     const RenderScene scene{.tree = tree, .color = tree.colors().albedo};
-    const ViewRender face = render_view(scene, cube_face_view(CubeFace::kNegY, 4096, Vec3(9.3)),
-                                        {.kind = RendererKind::kLod}, kNever);
-    uint64_t bad = 0;
-    for (const Rgb& pixel : face.color.pixels()) bad += pixel.r >= 0.0f && pixel.r <= 0.5f ? 0 : 1;
-    all.push_back(at_most("face size 4096, lod, one face", "values out of range",
-                          static_cast<double>(bad), 0));
+    for (const RendererKind kind : {RendererKind::kHybrid, RendererKind::kLod}) {
+        Seen seen;
+        uint64_t pixels = 0;
+        for (const CubeFace face : kCubeFaces) {
+            const ViewRender view = render_view(scene, cube_face_view(face, kLargest, from),
+                                                {.kind = kind}, kNever, {.face = face});
+            seen.add(view.color.pixels());
+            seen.hits += view.stats.hits();
+            pixels += view.pixels;
+        }
+        const std::string name =
+            "face size 4096, " + world + ", " + std::string(probebake::name_of(kind));
+        add(all, name, seen);
+        const uint64_t expected = owned_pixel_count(kLargest);
+        all.push_back({.name = name,
+                       .checked = "pixels that the six faces own",
+                       .value = study::grouped_digits(pixels),
+                       .bound = study::grouped_digits(expected),
+                       .pass = pixels == expected});
+    }
+}
+
+/// The brightest pixel of a voxel that emits, over its emission.
+double shown_emission(float radiance, int exponent) {
+    VoxelCloud cloud{.depth = 2};
+    cloud.emission_scale = std::ldexp(1.0f, exponent);
+    cloud.voxels.push_back(
+        make_voxel({1, 1, 1}, pack_rgb(Rgb(0.5f)), pack_rgb(Rgb(radiance / cloud.emission_scale))));
+    const VoxelTree tree = VoxelTree::build(std::move(cloud));
+    const RenderScene scene{.tree = tree, .color = tree.colors().emission};
+    Seen seen;
+    seen.add(render_cubemap(scene, {0.5, 1.5, 1.5}, 16, {.kind = RendererKind::kHybrid}, kNever)
+                 .color.image()
+                 .pixels());
+    return seen.bad == 0 ? seen.brightest / double{radiance} : -1.0;
 }
 
 void emissions(Cases& all) {
     for (const float radiance : {1e-30f, 1e30f}) {
+        const double shown = shown_emission(radiance, radiance > 1.0f ? 90 : -110);
+        all.push_back({.name = radiance > 1.0f ? "emission 1e30" : "emission 1e-30",
+                       .checked = "of a voxel: brightest pixel over it",
+                       .value = short_text(shown),
+                       .bound = "1 ± 0.002",
+                       .pass = std::abs(shown - 1.0) < 0.002});
         Cubemap cube(4);
         for (Rgb& pixel : cube.image().pixels()) pixel = Rgb(radiance);
         const EncodedCubemap file = encode_cubemap(cube, {});
@@ -193,10 +238,12 @@ void bad_input(Cases& all) {
 
 }  // namespace
 
-std::vector<StabilityCase> voxel_cases() {
+std::vector<StabilityCase> voxel_cases(bool full) {
     Cases all;
     far_from_the_origin(all);
     worlds(all);
+    largest_cube(all, "one voxel", VoxelTree::build(world_of({{1, 1, 1}}, 2)), {0.5, 1.5, 1.5});
+    if (full) largest_cube(all, "a room", room(), Vec3(9.3));
     emissions(all);
     bad_input(all);
     return all;

@@ -9,6 +9,7 @@
 #include "track/spectral.h"
 #include "track/spectral_mis.h"
 #include "volume_study/cpu_clock.h"
+#include "volume_study/line_plot.h"
 #include "volume_study/test_media.h"
 
 namespace probebake::volume_study {
@@ -108,7 +109,7 @@ std::vector<study::TextTable> efficiency_tables(
     return tables;
 }
 
-study::TextTable control_table(const Cloud& cloud, int samples) {
+study::TextTable control_table(const Cloud& cloud, int samples, const std::filesystem::path& out) {
     study::TextTable table;
     table.name = "control";
     table.title = cloud.name +
@@ -116,7 +117,17 @@ study::TextTable control_table(const Cloud& cloud, int samples) {
                   "control from 0 to the majorant (figures 1 to 3)";
     table.columns = {"depth",  "control / majorant", "lookups (N_dcmp)", "ρ = N_dcmp / N_delta",
                      "mean w", "variance of w",      "ρ · variance"};
+    LinePlot plot{.name = "control",
+                  .title = cloud.name + ", column 10: weighted decomposition",
+                  .x_label = "control / majorant",
+                  .y_label = "",
+                  .log_axes = "y",
+                  .lines = {}};
     for (const int depth : {1, 5}) {
+        const std::string at = ", depth " + std::to_string(depth);
+        for (const char* what : {"lookups / delta", "variance of w", "product"}) {
+            plot.lines.push_back({what + at, {}});
+        }
         const Media media({cloud_medium(cloud, 10.0, Rgb(0.0f), Rgb(1.0f), 0.0)},
                           {.max_depth = depth, .threshold = 0.2});
         TrackCount delta;
@@ -142,8 +153,15 @@ study::TextTable control_table(const Cloud& cloud, int samples) {
                  decimals(static_cast<double>(count.lookups) / samples, 3), decimals(rho, 3),
                  decimals(weight.mean(), 3), decimals(weight.variance(), 3),
                  decimals(rho * weight.variance(), 3)});
+            if (step < 0) continue;
+            const std::array<double, 3> y = {rho, weight.variance(), rho * weight.variance()};
+            for (size_t k = 0; k < 3; ++k) {
+                if (y[k] > 0.0)
+                    plot.lines[plot.lines.size() - 3 + k].points.push_back({step / 8.0, y[k]});
+            }
         }
     }
+    write_plot(out, plot);
     return table;
 }
 

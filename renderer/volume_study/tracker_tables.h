@@ -11,7 +11,8 @@ std::vector<study::TextTable> efficiency_tables(
     const Cloud& cloud, int samples, const std::function<void(const std::string&)>& progress);
 
 /// Figures 1 to 3: weighted decomposition with the control from 0 to the majorant.
-study::TextTable control_table(const Cloud& cloud, int samples);
+/// Also as a plot in `out`.
+study::TextTable control_table(const Cloud& cloud, int samples, const std::filesystem::path& out);
 
 /// Figure 4: cost, largest throughput and variance to the first real collision or the exit.
 study::TextTable first_flight_table(const Cloud& cloud, int samples);

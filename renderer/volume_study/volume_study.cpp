@@ -44,7 +44,8 @@ std::vector<study::TextTable> run_volume_study(
             tables.push_back(std::move(table));
         }
     }
-    if (wanted("control")) tables.push_back(control_table(clouds.front(), params.samples));
+    if (wanted("control"))
+        tables.push_back(control_table(clouds.front(), params.samples, params.out));
     if (wanted("figure_4")) tables.push_back(first_flight_table(clouds.front(), params.samples));
     const FigureParams figure{
         .side = params.side, .reference = params.reference, .out = params.out};

@@ -12,6 +12,7 @@ namespace {
 
 struct StabilityOptions {
     std::filesystem::path out;
+    bool full = false;
     int threads = available_threads();
 };
 
@@ -21,7 +22,7 @@ int stability(const StabilityOptions& options) {
     volume_study::StabilityReport report;
     pool.run([&] {
         report = volume_study::run_stability_study(
-            options.out, [](const std::string& what) { std::cerr << what << '\n'; });
+            options.out, options.full, [](const std::string& what) { std::cerr << what << '\n'; });
     });
     std::cout << report.table.markdown() << report.failed << " of " << report.table.rows.size()
               << " cases fail\n";
@@ -35,6 +36,7 @@ void add_stability_command(CLI::App& study_app, CommandWork& work) {
         "stability", "Stiff and extreme cases of media and voxels: value, bound, pass");
     const auto options = std::make_shared<StabilityOptions>();
     command->add_option("--out", options->out, "Folder for the table")->required();
+    command->add_flag("--full", options->full, "A room in cubes of 4096², too: minutes");
     command->add_option("--threads", options->threads, "Threads")->check(CLI::Range(1, 1024));
     command->callback([options, &work] { work = [options] { return stability(*options); }; });
 }

@@ -72,6 +72,7 @@ TEST_F(VolumeStudy, DepthsHaveTheShapeOfThePublishedTables) {
         EXPECT_LE(number(depth, 3, "ratio"), number(depth, 1, "ratio"));
         EXPECT_LT(number(depth, 3, "delta lookups against depth 1"), 0.5);
         EXPECT_GT(number(depth, 3, "leaves against depth 1"), 1.0);
+        EXPECT_TRUE(std::filesystem::exists(out_ / (name + ".gp")));
         const study::TextTable& times = named(tables, name + "_times");
         ASSERT_EQ(times.rows.size(), 8u);  // two trackers
         for (size_t row = 0; row < 8; ++row) {
@@ -99,6 +100,7 @@ TEST_F(VolumeStudy, TrackersCompareAsPublished) {
         EXPECT_LT(number(control, first + 5, "ρ = N_dcmp / N_delta"), 0.7);
         EXPECT_GT(number(control, first + 5, "variance of w"), 0.0);
     }
+    EXPECT_TRUE(std::filesystem::exists(out_ / "control.gp"));
     // The maximum scheme, its gap left to absorption, keeps throughputs at 1.
     const study::TextTable& first_flights = named(tables, "figure_4");
     ASSERT_EQ(first_flights.rows.size(), 7u);

@@ -139,8 +139,8 @@ class Unit {
             if (!audits()) return;
             look();
             if (result_.target_met || result_.looks == kMaxLooks) return;
-            const bool harder = finest && may_look_harder();
             const bool everything = finest && settings.least_grid == settings.leaf_grid;
+            const bool harder = finest && (everything || audit_effort_ == 1.0) && may_look_harder();
             if (everything && !harder) return;
             ++result_.looks;
             if (harder) {
@@ -150,6 +150,7 @@ class Unit {
             if (finest || result_.looks > kPredictedLooks) {
                 settings.least_grid = std::min(settings.leaf_grid, 2 * settings.least_grid);
                 settings.least_grid = std::max(kFirstLeastGrid, settings.least_grid);
+                audit_effort_ = 1.0;
             }
             goal = predicted * next_step();
         }

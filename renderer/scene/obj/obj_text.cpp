@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <optional>
 
 namespace probebake {
@@ -62,12 +64,8 @@ class Lines {
     /// A finite number in a form that tinyobjloader reads as well, too.
     static std::optional<double> number_of(std::string_view text) {
         if (text.starts_with('+')) text.remove_prefix(1);
-        const size_t exponent = text.find_first_of("eE");
         constexpr size_t kMaxDigits = 64;
-        constexpr size_t kMaxExponentDigits = 4;  // with its sign
-        if (text.size() > kMaxDigits || text.starts_with('+') ||
-            (exponent != std::string_view::npos &&
-             text.size() - exponent > kMaxExponentDigits + 1)) {
+        if (text.size() > kMaxDigits || text.starts_with('+') || !has_usual_exponent(text)) {
             return std::nullopt;
         }
         double value = 0.0;
@@ -79,6 +77,18 @@ class Lines {
     }
 
   private:
+    /// Beyond it tinyobjloader's power of ten is infinite, and 0 times that no number.
+    static bool has_usual_exponent(std::string_view text) {
+        const size_t e = text.find_first_of("eE");
+        if (e == std::string_view::npos) return true;
+        text.remove_prefix(e + 1);
+        if (text.starts_with('+')) text.remove_prefix(1);
+        int exponent = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
+        return error == std::errc() && end == text.data() + text.size() &&
+               std::abs(exponent) <= std::numeric_limits<double>::max_exponent10;
+    }
+
     void trim() {
         skip_space();
         rest_.remove_suffix(rest_.size() - (rest_.find_last_not_of(kSpace) + 1));

@@ -2,8 +2,8 @@
 // timed. Prints the rows of docs/results/meshes.md.
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
-#include <time.h>
 
+#include <ctime>
 #include <iomanip>
 #include <iostream>
 #include <memory>

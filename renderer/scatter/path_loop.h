@@ -40,10 +40,18 @@ struct Scatterer {
     }
 };
 
+/// In the place of a tracker, for media that do not scatter: paths pass them, weighed by the
+/// transmittance, and collect what they emit.
+struct Unscattered {
+    static constexpr bool kScalar = true;
+    static constexpr bool kDecomposes = false;
+};
+
 template <class Tracker, class Traits, bool Emitters>
 class PathLoop {
   public:
     static constexpr int N = Traits::kChannels;
+    static constexpr bool kPasses = std::is_same_v<Tracker, Unscattered>;
 
     PathLoop(const PathTracer& tracer, PathRandom& random, PathCount& count)
         : tracer_(tracer), scene_(tracer.scene()), random_(random), count_(count) {}
@@ -63,7 +71,14 @@ class PathLoop {
             const Hit hit = trace_voxels(at, direction, range);
             const double end = hit ? hit.t * scene_.voxel_size_m : range.end;
             MediaLine<N> line(scene_.media, {at.metres, direction}, {range.begin, end});
-            const FlightEnd flight = fly(line);
+            FlightEnd flight;
+            if constexpr (kPasses && !Traits::kEmits) {
+                beta_ *= transmittance(at, direction, {range.begin, end});
+            } else if constexpr (kPasses) {
+                collect_and_pass(line);
+            } else {
+                flight = fly(line);
+            }
             count_.flights.faults += line.unbounded();
             Scatterer scatterer;
             PathPlace next;
@@ -116,6 +131,21 @@ class PathLoop {
         const Hit hit = trace(scene_.tree, {at.voxels, direction}, {}, in_voxels);
         count_.steps += hit.steps;
         return hit;
+    }
+
+    void collect_and_pass(MediaLine<N>& line) {
+        const auto widen = [](const Spectrum<N>& w) {
+            if constexpr (N == 1) {
+                return Spectrum<3>(w[0]);
+            } else {
+                return w;
+            }
+        };
+        const auto collect = [&](double t, const Spectrum<N>& weight_over_b) {
+            result_.radiance += to_vec3(beta_ * widen(weight_over_b) * line.emitted_per_m(t));
+        };
+        beta_ *= widen(
+            RatioTracking<true>::transmittance<Traits>(line, random_, count_.flights, collect));
     }
 
     FlightEnd fly(MediaLine<N>& line) {

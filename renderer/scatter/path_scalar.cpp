@@ -15,6 +15,8 @@ PathTracer::Instance scalar(const TrackerChoice& choice, bool emitters) {
 
 PathTracer::Instance scalar_instance(const TrackerChoice& choice, bool emitters) {
     switch (choice.tracker) {
+        case TrackerKind::kTransmittance:
+            return scalar<Unscattered>(choice, emitters);
         case TrackerKind::kDelta:
             return scalar<DeltaTracker>(choice, emitters);
         case TrackerKind::kWeightedDelta:

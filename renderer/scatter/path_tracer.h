@@ -8,7 +8,8 @@
 // sampler of them, both weighed against the phase function (balance heuristic); smooth skies, and
 // emissive voxels without a sampler, are found by scattering. A medium's emission is collected at
 // every collision candidate. Absorption weighs the path; roulette ends it below
-// Settings::roulette_below.
+// Settings::roulette_below. Where nothing scatters there are no flights: paths pass the media,
+// weighed by the transmittance.
 //
 // Surfaces are Lambert: emission + albedo / π × what arrives straight or scattered from sun and
 // sky. As in every renderer here, light from one surface straight to another is left out

@@ -11,6 +11,7 @@ namespace {
 constexpr std::array<const char*, kTrackerKinds> kNames = {
     "none",
     "closed_form",
+    "transmittance",
     "delta",
     "weighted_delta",
     "analog_decomposition",
@@ -38,6 +39,12 @@ struct Rule {
 
 Rule rule_for(const MediaFacts& facts, const ChoiceParams& params) {
     if (!facts.absorbs && !facts.scatters) return {TrackerKind::kNone, "there are no media"};
+    // A homogeneous medium's emission is that of flights in closed form.
+    if (!facts.scatters && !(facts.homogeneous && facts.emits)) {
+        return {TrackerKind::kTransmittance, std::string("nothing scatters: transmittance") +
+                                                 (facts.emits ? " and emission along it" : "") +
+                                                 " alone"};
+    }
     if (facts.homogeneous) {
         return {TrackerKind::kClosedForm, "all media are homogeneous: distances in closed form"};
     }
@@ -125,9 +132,13 @@ TrackerChoice choose_tracker(const MediaFacts& facts, const ChoiceParams& params
                                         "': expected '" + name_of(rule.tracker) + "', because " +
                                         rule.reason);
         }
-        if (forced == TrackerKind::kClosedForm) {
+        if (forced == TrackerKind::kClosedForm && !facts.homogeneous) {
             throw std::invalid_argument(
                 "tracker 'closed_form': a density varies; expected one of the others");
+        }
+        if (forced == TrackerKind::kTransmittance && facts.scatters) {
+            throw std::invalid_argument(
+                "tracker 'transmittance': a medium scatters; expected one of the others");
         }
         rule = {forced, std::string("the client chose it; by itself it would be ") +
                             name_of(rule.tracker) + ", because " + rule.reason};
@@ -135,7 +146,7 @@ TrackerChoice choose_tracker(const MediaFacts& facts, const ChoiceParams& params
     TrackerChoice choice;
     choice.tracker = rule.tracker;
     choice.reason = rule.reason;
-    choice.gray = facts.gray_extinction && rule.tracker >= TrackerKind::kDelta &&
+    choice.gray = facts.gray_extinction && rule.tracker >= TrackerKind::kTransmittance &&
                   rule.tracker <= TrackerKind::kWeightedDecomposition;
     choice.absorbs = facts.absorbs;
     choice.emits = facts.emits;

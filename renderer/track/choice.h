@@ -20,6 +20,7 @@ namespace probebake {
 enum class TrackerKind : uint8_t {
     kNone,
     kClosedForm,
+    kTransmittance,  // no flights: nothing scatters
     kDelta,
     kWeightedDelta,
     kAnalogDecomposition,
@@ -32,7 +33,7 @@ enum class TrackerKind : uint8_t {
     kHistoryAverageDecomposition,
     kSpectralMis,
 };
-inline constexpr int kTrackerKinds = 13;
+inline constexpr int kTrackerKinds = 14;
 
 enum class TransmittanceKind : uint8_t {
     kClosedForm,
@@ -78,7 +79,7 @@ struct ChoiceParams {
 };
 
 /// Throws std::invalid_argument where the forced tracker cannot render these media (closed form of
-/// what varies, none of what is there).
+/// what varies, transmittance of what scatters, none of what is there).
 TrackerChoice choose_tracker(const MediaFacts& facts, const ChoiceParams& params = {});
 
 }  // namespace probebake

@@ -16,9 +16,10 @@ namespace probebake {
 
 template <bool Roulette>
 struct RatioTracking {
-    template <class Traits, class Line, class Random>
-    static Spectrum<Traits::kChannels> transmittance(Line& line, Random& random,
-                                                     TrackCount& count) {
+    /// `collect` is called at every candidate with the emission's weight, transmittance included.
+    template <class Traits, class Line, class Random, class Collect = CollectNothing>
+    static Spectrum<Traits::kChannels> transmittance(Line& line, Random& random, TrackCount& count,
+                                                     Collect&& collect = {}) {
         constexpr int N = Traits::kChannels;
         constexpr double kRouletteBelow = 0.1;
         Spectrum<N> result(1.0);
@@ -37,6 +38,7 @@ struct RatioTracking {
                 }
                 ++count.lookups;
                 const Spectrum<N> mu = line.at(leaf.t0 + s).extinction();
+                if constexpr (Traits::kEmits) collect(leaf.t0 + s, result * (1.0 / b));
                 for (int c = 0; c < N; ++c) result[c] *= 1.0 - mu[c] / b;
                 const double most = result.max_abs();
                 if (!(most > 0.0)) return Spectrum<N>();

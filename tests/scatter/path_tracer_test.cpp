@@ -76,6 +76,42 @@ TEST(PathTracer, EmissiveVoxelsShineThroughAbsorbingFog) {
     EXPECT_EQ(test::mean_radiance(tracer, 100, 3, [&](RandomStream&) { return ray; }).mean(0), 0.0);
 }
 
+// Media that do not scatter: no flights, so that only null collisions vary.
+TEST(PathTracer, WhatDoesNotScatterIsPassedByTransmittance) {
+    const Ray ray{{-10.0, 0.3, 0.1}, {1, 0, 0}};
+    for (const Rgb& absorb : {Rgb(0.3f), Rgb(0.1f, 0.2f, 0.4f)}) {
+        for (const float emission : {0.0f, 2.0f}) {
+            SCOPED_TRACE(testing::Message() << absorb.b << " 1/m, emission " << emission);
+            World world;
+            world.media = Media({{.name = "smoke",
+                                  .absorption_per_m = absorb,
+                                  .emission = Rgb(emission),
+                                  .shape = test::noise_cloud(8)},
+                                 {.name = "fog",
+                                  .absorption_per_m = absorb * 0.1f,
+                                  .emission = Rgb(emission),
+                                  .shape = FogShape{-2.0, 3.0, Box{Vec3(-6.0), Vec3(6.0)}}}},
+                                {.max_depth = 4, .threshold = 0.2});
+            world.lighting.sky = Sky(Rgb(1.0f));
+            const TrackerChoice choice = choose_tracker(facts_of(world.media));
+            EXPECT_EQ(choice.tracker, TrackerKind::kTransmittance);
+            const auto got = test::mean_radiance(PathTracer(world.scene(), choice), 20000, 5,
+                                                 [&](RandomStream&) { return ray; });
+            const auto flown = test::mean_radiance(
+                PathTracer(world.scene(), test::forced(world.media, TrackerKind::kSpectralMis)),
+                20000, 6, [&](RandomStream&) { return ray; });
+            const Spectrum<3> depth = world.media.optical_depth(ray, {});
+            for (int c = 0; c < 3; ++c) {
+                const double through = std::exp(-depth[c]);
+                const double exact = through + double{emission} * (1.0 - through);
+                expect_mean(got, c, exact, 4.5);
+                expect_mean(flown, c, exact, 4.5);
+                EXPECT_LT(got.at(c).variance(), 0.7 * flown.at(c).variance());
+            }
+        }
+    }
+}
+
 // Single scattering of a thin haze: the integral along the ray, to first order.
 TEST(PathTracer, AThinHazeScattersTheSunOnce) {
     World world;
@@ -207,6 +243,10 @@ TEST(Choice, LeavesOutWhatIsNotNeeded) {
               TrackerKind::kSpectralMis);
     EXPECT_EQ(choose({.scattering_per_m = Rgb(0, 1, 1), .shape = cloud}).tracker,
               TrackerKind::kSpectralMis);
+    EXPECT_EQ(choose({.absorption_per_m = Rgb(1, 2, 4), .shape = cloud}).tracker,
+              TrackerKind::kTransmittance);
+    EXPECT_EQ(choose({.absorption_per_m = Rgb(1), .shape = HomogeneousShape{}}).tracker,
+              TrackerKind::kTransmittance);
     for (int i = 0; i < kTrackerKinds; ++i) {
         const auto kind = static_cast<TrackerKind>(i);
         EXPECT_EQ(tracker_named(name_of(kind)), kind);
@@ -216,6 +256,9 @@ TEST(Choice, LeavesOutWhatIsNotNeeded) {
     closed.forced = TrackerKind::kClosedForm;
     const MediaFacts facts = facts_of(Media({{.scattering_per_m = Rgb(1), .shape = cloud}}));
     EXPECT_THROW(choose_tracker(facts, closed), std::invalid_argument);
+    ChoiceParams transmittance;
+    transmittance.forced = TrackerKind::kTransmittance;
+    EXPECT_THROW(choose_tracker(facts, transmittance), std::invalid_argument);
 }
 
 TEST(SkySampler, DensitiesAreThoseOfTheSamples) {

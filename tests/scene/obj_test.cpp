@@ -159,9 +159,8 @@ TEST(Obj, RefusesWithTheLine) {
               "m.obj: line 1: expected a coordinate, a finite number, not the end of the line");
     EXPECT_EQ(problem_of("\n\nv 0 x 0\n"),
               "m.obj: line 3: expected a coordinate, a finite number, not \"x\"");
-    for (const char* number :
-         {"nan", "inf", "1e999", "1e-99999999999", "0x10", "--1", "1e", "0e2147483649", "0e999",
-          "0.0e-309", "0e9993"}) {
+    for (const char* number : {"nan", "inf", "1e999", "1e-99999999999", "0x10", "--1", "1e",
+                               "0e2147483649", "0e999", "0.0e-309", "0e9993"}) {
         EXPECT_EQ(problem_of(std::string("v 0 0 ") + number).substr(0, 14), "m.obj: line 1:")
             << number;
     }

@@ -45,6 +45,16 @@ void check_size(const JobSize& size, uint64_t promised_bytes, const DataFolder& 
     }
 }
 
+/// Throws SpecError where a file of the scene cannot be read.
+std::string readable_sha256(const JobRequest& request) {
+    try {
+        return pinned_sha256(request.scene, request.spec);
+    } catch (const IoError& error) {
+        throw SpecError(SpecError::Kind::kUnacceptable, "/scene",
+                        std::string("the scene cannot be read: ") + error.what());
+    }
+}
+
 }  // namespace
 
 JobManager::JobManager(RenderPool& pool, JobStore& store, SceneSource scenes, Options options)
@@ -89,7 +99,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
     NewJob stored{.id = new_job_id(),
                   .tenant = request.tenant,
                   .scene = request.scene.name,
-                  .scene_sha256 = pinned_sha256(request.scene, request.spec),
+                  .scene_sha256 = readable_sha256(request),
                   .request = dump_json(write_job(request.spec)),
                   .request_sha256 = request.sha256,
                   .idempotency_key = request.idempotency_key,

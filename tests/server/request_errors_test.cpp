@@ -29,6 +29,21 @@ std::string verdict(const Answer& answer) {
     return text;
 }
 
+TEST(RequestErrors, AFileOfTheSceneThatCannotBeReadIsTold) {
+    const RunningService service;
+    test::write_text(service.scenes() / "elsewhere.bytes", "VOX ");
+    std::filesystem::create_symlink("elsewhere.bytes", service.scenes() / "linked.vox");
+    test::write_text(service.scenes() / "linked.json",
+                     R"({"type": "vox", "file": "linked.vox", "voxel_size_m": 1})");
+    Json request = test::net_request(1);
+    request["scene"] = "linked";
+    for (const char* path : {"/v1/bakes", "/v1/bakes:check"}) {
+        const Answer answer = service.post(path, request.dump());
+        EXPECT_EQ(verdict(answer), "422 /scene") << path;
+        EXPECT_NE(answer.body.find("linked.vox"), std::string::npos) << answer.body;
+    }
+}
+
 TEST(RequestErrors, PointAtWhatIsWrong) {
     const RunningService service;
     const auto changed = [](const std::string& pointer, const Json& value) {

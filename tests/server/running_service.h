@@ -70,6 +70,7 @@ class RunningService {
         return answer("DELETE", path, client().Delete(path, headers));
     }
     Answer post(const std::string& path, const Json& body) const { return post(path, body.dump()); }
+    const std::filesystem::path& scenes() const { return options_.scenes; }
     httplib::Client client() const {
         httplib::Client client(url());
         client.set_read_timeout(30);

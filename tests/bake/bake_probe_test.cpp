@@ -188,7 +188,7 @@ TEST(AuditSize, WindowsOfSsimCostWhatTheRenderDoes) {
     EXPECT_NEAR(count / 4000.0, 0.5, 0.06);
     const WindowDraws many = ssim_windows({.rays_per_pixel = 100.0, .pooled = true}, 100'000.0);
     EXPECT_EQ(many.grid, 4);
-    EXPECT_NEAR(many.count, 100'000 / (2 * 16 * 121), 2);
+    EXPECT_NEAR(many.count, 1e5 / (2 * 16 * 121), 2.0);
 }
 
 TEST_F(BakeProbeTest, ASteeredProbeIsRefinedUntilItsBoundMeetsTheTarget) {

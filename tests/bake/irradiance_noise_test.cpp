@@ -23,7 +23,6 @@ double sigma_at(const CubePixel& owner) { return owner.face == kCubeFaces[2] ? 0
 TEST(IrradianceNoise, IsTheErrorOfPixelsThatErrIndependently) {
     constexpr int kRuns = 400;
     for (const int n : {1, 2, 3, 16}) {
-        const CancelToken cancel;
         std::vector<NoisyPixel> all;
         for (const CubeFace face : kCubeFaces) {
             for (int y = 0; y < n; ++y) {

@@ -21,7 +21,9 @@ JobSpec ssim_job() {
     const Scene scene = test::small_scene();
     request["probes"]["list"].clear();
     for (int i = 0; i < kProbes; ++i) {
-        const Vec3 offset(1.3 * (i % 4), 1.1 * (i / 4 % 3), -1.7 * (i / 12));
+        const int level = i / 4 % 3;
+        const int row = i / 12;
+        const Vec3 offset(1.3 * (i % 4), 1.1 * level, -1.7 * row);
         const Vec3 p = scene.to_metres(test::kSmallWorldProbe + offset);
         request["probes"]["list"].push_back(
             {{"id", "p" + std::to_string(i)}, {"position_m", {p.x, p.y, p.z}}});

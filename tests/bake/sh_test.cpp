@@ -174,7 +174,7 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     constexpr uint64_t kPixels = 384;
     EXPECT_EQ(pilot.curve.size(), 4U);
     EXPECT_EQ(pilot.curve_cost.all_rays(), 30 * kPixels);
-    EXPECT_EQ(pilot.search_cost.all_rays(), (2 + 30) * kPixels + 2 * 384);
+    EXPECT_EQ(pilot.search_cost.all_rays(), (2 + 30) * kPixels + 2 * uint64_t{384});
     const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
     EXPECT_EQ(
         result.settings,

@@ -17,12 +17,12 @@ struct WindowDraws {
 };
 
 struct WindowParams {
-    double rays_per_pixel = 1.0;  // of the render
-    int truth_grid = kTruthGrids.front();
-    int least_grid = 2;
+    double rays_per_pixel = 1.0;           // of the render
+    int truth_grid = kTruthGrids.front();  // most rays per side of a mean
+    int least_grid = 2;                    // fewest
     bool pooled = false;   // whether what other probes of the job have tells as well
     bool teaches = false;  // whether the others learn from this one
-    uint64_t key = 0;
+    uint64_t key = 0;      // of the draw whether a pair is spared
 };
 
 /// About as noisy as the render, as the truth of single pixels is (audit.h), so that windows cost

@@ -327,8 +327,8 @@ class Unit {
         const PooledError pooled =
             pooled_error(prior, audits_[t], job_.quality.evidence.confidence);
         result_.pooled[t] = pooled;
-        if (ratio->draws == 0)
-            return pooled.upper <= allowed ? EvidenceOf::kJob : EvidenceOf::kNone;
+        const EvidenceOf of_job = pooled.upper <= allowed ? EvidenceOf::kJob : EvidenceOf::kNone;
+        if (ratio->draws == 0) return of_job;
         const bool tells =
             static_cast<double>(ratio->draws) >= kTellingDraws * prior.draw_cv * prior.draw_cv;
         // Where it tells that the probe is unlike the others of its job, it alone counts.
@@ -337,9 +337,7 @@ class Unit {
             result_.pooled[t].reset();
         }
         if (tells && own_meets) return EvidenceOf::kProbe;
-        return result_.pooled[t] && pooled.upper <= allowed && own.low <= allowed
-                   ? EvidenceOf::kJob
-                   : EvidenceOf::kNone;
+        return result_.pooled[t] && own.low <= allowed ? of_job : EvidenceOf::kNone;
     }
 
     /// What the last audit says beside the renderer's prediction, without draws where it was spared

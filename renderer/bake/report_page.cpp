@@ -285,8 +285,9 @@ std::string places_section(const Json& validity) {
                        number(validity.at("invalid"), 9) + " invalid.</p>\n";
     if (!invalid.empty()) {
         html += "<p>Invalid:";
-        for (const Json& id : invalid)
+        for (const Json& id : invalid) {
             html += " <span class=\"invalid\">" + text_of(id) + "</span>";
+        }
         if (validity.at("invalid") > invalid.size()) html += " …";
         html += "</p>\n";
     }

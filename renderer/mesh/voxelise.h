@@ -43,9 +43,8 @@ struct VoxeliseReport {
     uint64_t checked_points = 0;
     uint64_t uncovered_points = 0;
     /// The Hausdorff distance between surface and voxels (but for filled ones) is at most this: no
-    /// point of a voxel is
-    /// farther than half its diagonal from its middle, and the surface from the middle is measured
-    /// for every voxel. Infinite where a point is uncovered.
+    /// point of a voxel is farther than half its diagonal from its middle, and the surface from the
+    /// middle is measured for every voxel. Infinite where a point is uncovered.
     double hausdorff_m = 0.0;
     double voxel_diagonal_m = 0.0;
 };

@@ -31,7 +31,7 @@ struct Scene {
     std::string licence;
     VoxelTree tree;
     std::optional<MeshWorld> mesh;  // where it was made of one
-    SurfaceTriangles surface;       // the same; in the tree's space
+    SurfaceTriangles surface;       // the same; in grid units (mesh/grid_mesh.h)
     bool solid_ground = false;      // a heightmap: all below the surface is ground
     Media media;                    // in metres; octrees of the default depth
     double voxel_size_m = 1.0;

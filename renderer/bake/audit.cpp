@@ -149,6 +149,7 @@ class AuditRun {
         std::vector<TruthPair> truths(drawn.size());
         std::vector<double> weights(drawn.size());
         std::vector<ShDraw> differences(spec_.sh ? drawn.size() : 0);
+        std::vector<double> irradiance(differences.size());
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
             const Rgb& value = spec_.as_written.at(pixel);
@@ -160,6 +161,8 @@ class AuditRun {
             weights[i] = pixel_weight(spec_.weighting, pixel, n_) * inverse;
             errors[i] = weights[i] * error;
             if (!spec_.sh) return;
+            irradiance[i] = irradiance_weight(pixel, n_) * 3.0 * spec_.exposure * spec_.exposure *
+                            error / probability[drawn[i]];
             const Vec3 mean = (Vec3(truth.r1) + Vec3(truth.r2)) / 2.0;
             differences[i] = {pixel, (Vec3(value) - mean) / probability[drawn[i]]};
         });
@@ -169,7 +172,13 @@ class AuditRun {
         audit_.predicted = mean_prediction();
         if (!spec_.sh) return;
         audit_.sh = audit_sh(differences, n_);
-        audit_.error.irradiance = relative_irradiance(*audit_.sh, project_sh(spec_.as_written));
+        const ShRgb written = project_sh(spec_.as_written);
+        audit_.error.irradiance = relative_irradiance(*audit_.sh, written);
+        const double norm = irradiance_norm(written);
+        if (!spec_.noise || norm == 0.0) return;
+        audit_.noise = spec_.noise;
+        for (double& square : irradiance) square /= norm * norm;
+        audit_.error.irradiance_square = mean_of(irradiance);
     }
 
     Estimate relative_error(const std::vector<size_t>& drawn, const std::vector<TruthPair>& truths,
@@ -266,6 +275,23 @@ TruthOf voxel_truth(const RenderScene& scene, const Vec3& origin, int n, Against
         return truth_pair(scene, cube_face_view(owner.face, n, origin), owner.x, owner.y,
                           {.against = against, .grid = grid, .key = key}, stats);
     };
+}
+
+std::optional<AuditedRatio> audited_ratio(QualityTarget::Metric metric, const Audit& audit) {
+    const std::optional<Estimate> size = error_size(metric, audit.error);
+    const bool irradiance = metric == QualityTarget::Metric::kIrradianceRel;
+    const double predicted = !irradiance   ? audit.predicted
+                             : audit.noise ? audit.noise->square
+                                           : 0.0;
+    if (!(predicted > 0.0)) return std::nullopt;
+    if (!size && metric == QualityTarget::Metric::kSsim)
+        return AuditedRatio{.predicted = predicted};
+    if (!size) return std::nullopt;
+    return AuditedRatio{.predicted = predicted,
+                        .measured = size->value,
+                        .variance = size->variance,
+                        .draws = size->samples,
+                        .chance = irradiance ? audit.noise->spread : 0.0};
 }
 
 Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel) {

@@ -9,13 +9,17 @@
 // (Horvitz-Thompson), and the mean of n of them has the interval of estimate.h. The first half
 // bounds 1/(N p), wherever the prediction is wrong. SSIM is audited on whole windows, drawn
 // uniformly, and only where it is the target.
-// The same draws tell how wrong the spherical harmonics are (sh_audit.h).
+// The same draws tell how wrong the spherical harmonics are (sh_audit.h): by themselves, for which
+// it takes many, or, where pixels err without bias and independently, by what their errors are then
+// expected to add up to (irradiance_noise.h).
 #pragma once
 
 #include <functional>
 #include <optional>
 #include <span>
 
+#include "bake/error_prior.h"
+#include "bake/irradiance_noise.h"
 #include "bake/quality.h"
 #include "bake/sh_audit.h"
 #include "image/cubemap.h"
@@ -29,6 +33,7 @@ struct Audit {
     uint64_t windows = 0;
     double predicted = 0.0;  // mean squared error by the renderer's own prediction; 0 without one
     std::optional<ShAudit> sh;
+    std::optional<IrradianceNoise> noise;  // by its own variances, of paths
     CostStats cost;
 };
 
@@ -62,11 +67,17 @@ struct AuditSpec {
     int window_grid = kTruthGrids.front();  // rays per side of r1 and r2 in them
     bool rel_mse = false;
     bool sh = false;  // whether the spherical harmonics are audited, too
+    /// What variances of pixels lead to expect, where these err independently and without bias.
+    std::optional<IrradianceNoise> noise;
     /// Draws pixels for them, by solid angle and predicted error instead of its square: best for a
     /// sum in which errors of different pixels cancel.
     bool drawn_for_sh = false;
     uint64_t key = 0;  // of its random streams: a fresh one for every look
 };
+
+/// What an audit says beside the renderer's prediction, in the metric's size (error_size): without
+/// draws where windows of SSIM were spared, none where nothing is predicted or measured.
+std::optional<AuditedRatio> audited_ratio(QualityTarget::Metric metric, const Audit& audit);
 
 /// Runs on the calling arena; the same for any number of threads. Throws Cancelled.
 Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bake/audit_size.h"
+#include "bake/learn.h"
 #include "bake/probe_files.h"
 #include "bake/probe_view.h"
 #include "image/exr.h"
@@ -14,7 +15,6 @@
 namespace probebake {
 namespace {
 
-constexpr size_t kProbesToLearnFrom = 16;
 constexpr int kMaxLooks = 6;
 /// Of a render's rays, what an audit of it may cast.
 constexpr double kAuditShare = 0.05;
@@ -23,25 +23,27 @@ constexpr double kTeachingShare = 0.2;
 /// deviation: its own is within 0.3 then.
 constexpr double kTellingDraws = 12.0;
 constexpr double kLeafRaysShare = 0.1;
+/// Through media, for irradiance: of these shares, because audits go where paths are long.
+constexpr double kPathsShare = 0.4;
+/// Of the irradiance error that a probe's pixels lead to expect, what it may be without being
+/// unlucky.
+constexpr double kUnlucky = 3.0;
 /// Where a probe cannot be refined, or is as good as met, the next audit looks harder: so many
 /// times the rays.
 constexpr double kHarderLook = 4.0;
 constexpr double kHardestLook = 16.0;
 /// As good as met, for leaf rays alone, at this confidence.
 constexpr double kLeafRaysConfidence = 0.7;
-/// Paths of each mean of an audit: so many, squared, at most; and of those of the render in a
-/// pixel, for irradiance.
+/// Paths of each mean of an audit: so many, squared, at most.
 constexpr int kLargestPathGrid = 64;
-constexpr double kIrradiancePaths = 0.6;
 constexpr int kLeastAuditPixels = 12;
 /// Of an audit's rays, for pixels, where only windows decide.
 constexpr double kPixelsBesideWindows = 0.2;
-constexpr int kPixelsBesideWindowsAtLeast = 4;
+constexpr int kPixelsBesideWindowsAtLeast = 2;
 
 /// Prices are lowered by this factor until a probe's prediction meets its goal.
 constexpr double kPriceStep = 0.9;
-/// A probe that missed aims at a little less than what the bound says, within these factors.
-constexpr double kNextAim = 0.97;
+/// A probe that missed aims at what the bound says (kNextAim), within these factors.
 constexpr double kSmallestStep = 0.25;
 constexpr double kLargestStep = 0.95;
 /// Looks until which a probe is refined where it predicts errors, and there alone; then all its
@@ -99,7 +101,8 @@ class Unit {
     bool audits() const { return job_.quality.evidence.audit; }
 
     bool steered() const {
-        return !params_.out_of_time && !ray_limit(job_, probe_) && first_goal().has_value();
+        return !params_.out_of_time && !through_media() && !ray_limit(job_, probe_) &&
+               first_goal().has_value();
     }
 
     /// The prediction at which every target that has to be met is expected to be.
@@ -151,6 +154,7 @@ class Unit {
                 settings.least_grid = std::min(settings.leaf_grid, 2 * settings.least_grid);
                 settings.least_grid = std::max(kFirstLeastGrid, settings.least_grid);
                 audit_effort_ = 1.0;
+                audits_.clear();  // what they found is no measure of what is left
             }
             goal = predicted * next_step();
         }
@@ -206,33 +210,67 @@ class Unit {
                                    : RenderSettings{.kind = RendererKind::kLod};
         }
         size_t next = 0;
-        bool fresh = true;
-        for (;;) {
-            if (fresh) {
-                take(render());
-            }
-            if (!audits()) return;
+        take(render());
+        while (const std::optional<size_t> finer = finer_for_irradiance(next)) {
+            render_again(*finer);
+            next = *finer + 1;
+        }
+        while (audits()) {
             look();
             if (result_.target_met || !may_look_again()) return;
             if (as_good_as_met()) {
                 if (may_be_pooled()) return;
-                ++result_.looks;
                 audit_effort_ *= kHarderLook;
-                fresh = false;
-                continue;
+            } else {
+                if (next == pilot_.finer.size()) return;
+                next = next_finer(next, result_.certificate.error);
+                render_again(next++);
             }
-            if (next == pilot_.finer.size()) return;
-            fresh = true;
-            next = next_finer(next, result_.certificate.error);
-            result_.earlier_renders += render_.total();
-            render_mse_ = pilot_.finer[next].mse;
-            result_.settings = pilot_.finer[next++].settings;
             ++result_.looks;
         }
     }
 
+    void render_again(size_t finer) {
+        result_.earlier_renders += render_.total();
+        render_mse_ = pilot_.finer[finer].mse;
+        result_.settings = pilot_.finer[finer].settings;
+        take(render());
+    }
+
+    /// Through media: the settings from `next` on whose pixels lead to expect the irradiance that
+    /// is asked for, where those of the render do not.
+    std::optional<size_t> finer_for_irradiance(size_t next) const {
+        if (!through_media() || next == pilot_.finer.size()) return std::nullopt;
+        std::optional<size_t> finer;
+        for (size_t t = 0; t < pilot_.steering.size(); ++t) {
+            if (!pilot_.steering[t]) continue;
+            const double allowed = *largest_size(job_.quality.targets[t]);
+            const double expected =
+                kUnlucky * pilot_.steering[t]->prior.ratio * expected_noise().square;
+            if (expected <= allowed) continue;
+            finer = finer_than(next, render_mse_ * allowed / expected);
+        }
+        return finer;
+    }
+
+    /// By this probe's paths and by those of the pilot: half by each.
+    IrradianceNoise expected_noise() const {
+        IrradianceNoise noise = irradiance_noise(as_written_, render_.aux);
+        const auto paths = static_cast<double>(render_.total().rays);
+        const double both = (noise.square + pilot_.irradiance_square_of_path / paths) / 2.0;
+        if (noise.square > 0.0) noise.channels *= both / noise.square;
+        noise.square = both;
+        return noise;
+    }
+
+    /// The first settings from `next` on that leave at most this error, or the finest.
+    size_t finer_than(size_t next, double mse) const {
+        while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > mse) ++next;
+        return next;
+    }
+
     bool as_good_as_met() const {
-        return wants_leaf_rays_only(job_) &&
+        return leaf_rays_only() &&
                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
     }
     /// Where the mean of all probes may speak for a probe, it need not be sure itself.
@@ -250,7 +288,10 @@ class Unit {
         const QualityTarget& target = job_.quality.targets.front();
         double allowed = 0.0;
         double high = 0.0;
-        if (target.metric == QualityTarget::Metric::kIrradianceRel) {
+        if (result_.pooled.front()) {
+            allowed = *largest_size(target);
+            high = result_.pooled.front()->upper;
+        } else if (target.metric == QualityTarget::Metric::kIrradianceRel) {
             const double bound = found.irradiance->interval(result_.confidence).high;
             allowed = largest_square(target);
             high = bound * bound;
@@ -261,11 +302,7 @@ class Unit {
         } else {
             return next;
         }
-        const double wanted = render_mse_ * allowed / high;
-        while (next + 1 < pilot_.finer.size() && pilot_.finer[next].mse > wanted) {
-            ++next;
-        }
-        return next;
+        return finer_than(next, render_mse_ * allowed / high);
     }
 
     bool through_media() const { return pilot_.media != nullptr; }
@@ -315,12 +352,13 @@ class Unit {
     EvidenceOf look_at(size_t t) {
         const QualityTarget& target = job_.quality.targets[t];
         const MeasuredError& error = result_.certificate.error;
-        const std::optional<AuditedRatio> ratio = audited_ratio(target);
+        std::optional<AuditedRatio> ratio;
+        if (!pilot_.steering.empty() && pilot_.steering[t]) {
+            ratio = audited_ratio(target.metric, result_.certificate);
+        }
         if (result_.looks == 1) result_.first_look.push_back(ratio);
         const bool own_meets = bound_meets(target, error, result_.confidence);
-        if (!ratio || !pilot_.steering[t]) {
-            return own_meets ? EvidenceOf::kProbe : EvidenceOf::kNone;
-        }
+        if (!ratio) return own_meets ? EvidenceOf::kProbe : EvidenceOf::kNone;
         const double allowed = *largest_size(target);
         const ErrorPrior& prior = pilot_.steering[t]->prior;
         audits_[t] = with_further_audit(audits_[t], *ratio);
@@ -340,22 +378,6 @@ class Unit {
         return result_.pooled[t] && own.low <= allowed ? of_job : EvidenceOf::kNone;
     }
 
-    /// What the last audit says beside the renderer's prediction, without draws where it was spared
-    /// them; none without steering.
-    std::optional<AuditedRatio> audited_ratio(const QualityTarget& target) const {
-        const Audit& audit = result_.certificate;
-        if (pilot_.steering.empty() || !(audit.predicted > 0.0)) return std::nullopt;
-        const std::optional<Estimate> size = error_size(target.metric, audit.error);
-        if (!size && target.metric == QualityTarget::Metric::kSsim) {
-            return AuditedRatio{.predicted = audit.predicted};
-        }
-        if (!size) return std::nullopt;
-        return AuditedRatio{.predicted = audit.predicted,
-                            .measured = size->value,
-                            .variance = size->variance,
-                            .draws = size->samples};
-    }
-
     /// As many rays per side, or paths in all, as the audit asks for in each of two means.
     TruthOf truth() const {
         if (!through_media()) {
@@ -369,11 +391,11 @@ class Unit {
 
     /// Rays per side of each mean where every pixel has the same.
     int truth_grid() const {
-        if (!wants_leaf_rays_only(job_)) return pilot_.truth_grid;
-        if (!through_media()) return irradiance_truth_grid(result_.settings.leaf_grid);
-        return std::max(1,
-                        static_cast<int>(std::sqrt(kIrradiancePaths * result_.settings.samples)));
+        return leaf_rays_only() ? irradiance_truth_grid(result_.settings.leaf_grid)
+                                : pilot_.truth_grid;
     }
+
+    bool leaf_rays_only() const { return wants_leaf_rays_only(job_) && !through_media(); }
 
     WindowDraws window_draws(double rays, uint64_t key) const {
         if (!has_target(job_.quality, QualityTarget::Metric::kSsim)) return {};
@@ -381,7 +403,7 @@ class Unit {
         const double rays_per_pixel = static_cast<double>(render_.total().all_rays()) / pixels;
         return ssim_windows({.rays_per_pixel = rays_per_pixel,
                              .truth_grid = truth_grid(),
-                             .least_grid = through_media() ? truth_grid() : 2,
+                             .least_grid = through_media() ? truth_grid() : 1,
                              .pooled = may_be_pooled() && !pilot_.steering.empty(),
                              .teaches = params_.teaches && result_.looks == 1,
                              .key = key},
@@ -394,7 +416,9 @@ class Unit {
         const bool windows_alone = only_target(job_.quality, QualityTarget::Metric::kSsim);
         const bool teaches = params_.teaches && look == 1 && !windows_alone;
         const double one_shot = teaches ? kTeachingShare : kAuditShare;
-        const double share = wants_leaf_rays_only(job_) ? kLeafRaysShare : one_shot;
+        const double share = leaf_rays_only()             ? kLeafRaysShare
+                             : wants_leaf_rays_only(job_) ? kPathsShare * one_shot
+                                                          : one_shot;
         const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
         const uint64_t key =
             random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look});
@@ -415,9 +439,11 @@ class Unit {
             .window_grid = windows.grid,
             .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
             .sh = irradiance || job_.products.sh,
-            .drawn_for_sh = only_target(job_.quality, QualityTarget::Metric::kIrradianceRel),
+            .drawn_for_sh = leaf_rays_only(),
             .key = key};
-        if (irradiance) {
+        if (irradiance && through_media()) {
+            spec.noise = expected_noise();
+        } else if (irradiance) {
             spec.truth_grid = grid;
             spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
         }
@@ -442,54 +468,9 @@ class Unit {
 
 }  // namespace
 
-std::string_view name_of(EvidenceOf evidence) {
-    constexpr std::array<std::string_view, 3> kNames = {"none", "probe", "job"};
-    return kNames[static_cast<size_t>(evidence)];
-}
-
-ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result) {
-    for (size_t t = 0; t < result.pooled.size(); ++t) {
-        const bool of_squares = quality.targets[t].metric == QualityTarget::Metric::kPsnrDb ||
-                                quality.targets[t].metric == QualityTarget::Metric::kRmse;
-        if (!of_squares || !result.pooled[t]) continue;
-        const PooledError& pooled = *result.pooled[t];
-        const auto db = [](double mse) { return -10.0 * std::log10(mse); };
-        return {.rmse = std::sqrt(pooled.value),
-                .rmse_interval = {std::sqrt(pooled.interval.low), std::sqrt(pooled.interval.high)},
-                .psnr_db = db(pooled.value),
-                .psnr_low_db = db(pooled.interval.high),
-                .psnr_high_db = db(pooled.interval.low)};
-    }
-    return figures_of(result.certificate.error.mse, quality.evidence.confidence);
-}
-
-CostStats ProbeResult::render_cost() const {
-    CostStats total;
-    for (const CostStats& face : faces) total += face;
-    return total;
-}
-
 ProbeResult bake_probe(const Scene& scene, const JobSpec& job, const Pilot& pilot,
                        const UnitParams& unit, const CancelToken& cancel) {
     return Unit(scene, job, pilot, unit, cancel).run();
-}
-
-size_t probes_to_learn_from(const JobSpec& job) {
-    return job.probes.size() >= 2 * kProbesToLearnFrom ? kProbesToLearnFrom : 0;
-}
-
-void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult> first) {
-    for (size_t t = 0; t < pilot.steering.size(); ++t) {
-        if (!pilot.steering[t]) continue;
-        std::vector<AuditedRatio> audits;
-        for (const ProbeResult& result : first) {
-            if (t < result.first_look.size() && result.first_look[t]) {
-                audits.push_back(*result.first_look[t]);
-            }
-        }
-        pilot.steering[t] =
-            steering_of(quality.targets[t], learned_prior(pilot.steering[t]->prior, audits));
-    }
 }
 
 }  // namespace probebake

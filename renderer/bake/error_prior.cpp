@@ -1,6 +1,7 @@
 #include "bake/error_prior.h"
 
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/gamma.hpp>
 #include <cmath>
 
@@ -80,7 +81,8 @@ AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& aud
         .predicted = audit.predicted,
         .measured = share * audit.measured + (1.0 - share) * scale * all.measured,
         .variance = square(share) * audit.variance + square((1.0 - share) * scale) * all.variance,
-        .draws = all.draws + audit.draws};
+        .draws = all.draws + audit.draws,
+        .chance = audit.chance};
 }
 
 PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence) {
@@ -96,6 +98,11 @@ PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, dou
     const double shape = prior_shape + own_shape;
     const double scale = prior.ratio * (prior_shape - 1.0) + own_shape * own_ratio;
     const auto quantile = [&](double probability) {
+        if (audit.chance > 0.0) {
+            const boost::math::fisher_f_distribution<double> f(2.0 / square(audit.chance),
+                                                               2.0 * shape);
+            return audit.predicted * scale / shape * boost::math::quantile(f, probability);
+        }
         const boost::math::gamma_distribution<double> gamma(shape);
         return audit.predicted * scale / boost::math::quantile(gamma, 1.0 - probability);
     };

@@ -15,6 +15,10 @@
 // calculations", Ann. Statist. 12). This is the composite estimate of small
 // areas (Fay and Herriot 1979, "Estimates of income for small places", J. Am. Statist. Assoc. 74)
 // in a multiplicative form. docs/results/calibration.md measures that its intervals cover.
+//
+// Where audits tell what errors of pixels are to be expected to add up to, but not what they did,
+// the error is R · P times a gamma distribution of mean 1 and that chance's spread: a multiple of
+// an F distribution.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +45,8 @@ struct AuditedRatio {
     double measured = 0.0;   // its estimate
     double variance = 0.0;   // of the estimate
     uint64_t draws = 0;
+    /// Relative standard deviation of the error itself about what draws tell; 0: they tell of it.
+    double chance = 0.0;
 };
 
 /// The prior that the audits of a job's first probes make of the one that its pilot made.

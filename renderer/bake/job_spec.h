@@ -73,7 +73,7 @@ enum class Against {
 
 struct EvidenceSpec {
     bool audit = true;
-    /// Audited pixels per probe and state; none: as bake_probe.h's audit_pixels.
+    /// Audited pixels per probe and state; none: as many as a share of the render pays for.
     std::optional<int> pixels_per_probe;
     double confidence = 0.95;
 };

@@ -20,6 +20,18 @@ constexpr int kFirstPaths = 16;  // of each of two means
 constexpr double kShare = 0.03;
 constexpr int kLeastPaths = 16;
 
+/// Relative standard deviations of actual over predicted irradiance errors (squared, of what is to
+/// be expected) among probes, and of a draw that audits it.
+constexpr double kIrradianceSpread = 0.4;
+constexpr double kIrradianceDrawCv = 6.0;
+/// Paths in every pixel, for irradiance: from, to, and from one number to the next.
+constexpr int kLeastIrradiancePaths = 4;
+constexpr int kMostIrradiancePaths = 4096;
+constexpr double kMorePaths = 1.25;
+/// Paths in a pixel of the coarse cubemaps of all probes together, and of one at most.
+constexpr size_t kCoarsePaths = 512;
+constexpr size_t kMostCoarsePaths = 128;
+
 /// Noise that the render aims at, as a share of what the target allows: audits have intervals,
 /// whose far ends are to meet it.
 constexpr double kAim = 0.85;
@@ -69,6 +81,9 @@ class MediaPilot {
         seconds_per_path_ = first.seconds / static_cast<double>(first.rays);
         pilot.search_cost += first;
         pilot.exposure = exposure();
+        if (has_target(job_.quality, QualityTarget::Metric::kIrradianceRel)) {
+            know_irradiance(pilot);
+        }
         aim(pilot, time);
         measure_curve(pilot);
         pilot.pixels = places_.size();
@@ -228,16 +243,39 @@ class MediaPilot {
         return *noise;
     }
 
-    /// As for leaf rays: few paths in every pixel, whose errors average out over the sphere.
+    /// As for leaf rays: few paths in every pixel, whose errors average out over the sphere. How
+    /// many it takes is for every probe's own variances to say.
     static void aim_at_irradiance(Pilot& pilot) {
-        constexpr int kSamples[] = {16, 64, 256, 1024, 4096};
-        pilot.settings.samples = 4;
+        pilot.settings.samples = kLeastIrradiancePaths;
         pilot.settings_mse = 1.0;
-        for (const int samples : kSamples) {
+        for (double n = kLeastIrradiancePaths; n < kMostIrradiancePaths;) {
+            n = std::min(std::ceil(kMorePaths * n), double{kMostIrradiancePaths});
             RenderSettings finer = pilot.settings;
-            finer.samples = samples;
-            pilot.finer.push_back({finer, 4.0 / samples});
+            finer.samples = static_cast<int>(n);
+            pilot.finer.push_back({finer, kLeastIrradiancePaths / n});
         }
+    }
+
+    /// What its audits are to compare with: paths err without bias and independently.
+    void know_irradiance(Pilot& pilot) {
+        norms_ = irradiance_norms(path_noise(), pilot.search_cost);
+        pilot.irradiance_square_of_path = norms_.square_of_path;
+        for (const QualityTarget& target : job_.quality.targets) {
+            pilot.steering.emplace_back();
+            if (target.metric != QualityTarget::Metric::kIrradianceRel) continue;
+            pilot.steering.back() = steering_of(
+                target, {.ratio = 1.0, .spread = kIrradianceSpread, .draw_cv = kIrradianceDrawCv});
+        }
+    }
+
+    /// Of one path in every place.
+    std::vector<NoisyPixel> path_noise() const {
+        std::vector<NoisyPixel> noise;
+        for (size_t i = 0; i < places_.size(); ++i) {
+            const Place& at = places_[i];
+            noise.push_back({at.probe, at.owner, at.view.face_size_px, 3.0 * paths_[i].variance});
+        }
+        return noise;
     }
 
     /// Paths per pixel that the budgets leave; none: no budget.
@@ -298,7 +336,6 @@ class MediaPilot {
             }
             stats += cost_of(count);
         });
-        IrradianceNorms norms;
         for (size_t p = 0; p < points.size(); ++p) {
             CurvePoint point;
             point.settings = {.kind = RendererKind::kPaths, .samples = points[p]};
@@ -318,27 +355,33 @@ class MediaPilot {
             }
             point.error.mse = Estimate::of_mean(moments);
             if (wants_leaf_rays_only(job_)) {
-                if (p == 0) norms = irradiance_norms(noise, pilot.search_cost);
-                point.irradiance_square = expected_irradiance_square(noise, norms);
+                point.error.irradiance_square = expected_irradiance_square(noise, norms_);
             }
             pilot.curve.push_back(point);
         }
     }
 
     IrradianceNorms irradiance_norms(const std::vector<NoisyPixel>& sample, CostStats& cost) const {
-        constexpr uint32_t kPaths = 16;
+        const auto paths = static_cast<uint32_t>(
+            std::clamp<size_t>(kCoarsePaths / job_.probes.size(), kFirstPaths, kMostCoarsePaths));
         IrradianceNorms norms = coarse_irradiance_norms(
             job_.probes, sample, [&](const CoarsePixel& at, CostStats& stats) {
                 cancel_.throw_if_cancelled();
                 const VolumeView view = volume_view(scene_, at.probe, 0);
+                const double n = paths;
                 PathCount count;
                 Vec3 sum(0.0);
-                for (uint32_t k = 0; k < kPaths; ++k) {
-                    sum +=
+                Vec3 sum2(0.0);
+                for (uint32_t k = 0; k < paths; ++k) {
+                    const Vec3 radiance =
                         pixel_path(*tracer_, view, at.pixel, {key(5, at.index), k}, count).radiance;
+                    sum += radiance;
+                    sum2 += radiance * radiance;
                 }
                 stats += cost_of(count);
-                return Rgb(sum / double{kPaths});
+                const Vec3 variance = (sum2 - sum * sum / n) / (n - 1.0);
+                return CoarseColor{Rgb(sum / n),
+                                   std::max(0.0, variance.x + variance.y + variance.z)};
             });
         cost += norms.cost;
         return norms;
@@ -355,6 +398,7 @@ class MediaPilot {
     const PathTracer* tracer_ = nullptr;
     std::vector<Place> places_;
     std::vector<PlacePaths> paths_;
+    IrradianceNorms norms_;  // where irradiance is a target
     double seconds_per_path_ = 0.0;
 };
 

@@ -296,7 +296,7 @@ const IrradianceNorms& PilotSample::irradiance_norms(const std::vector<NoisyPixe
         cancel_.throw_if_cancelled();
         const RenderScene scene = render_scene(scene_, at.probe, state_);
         const View view = face_view(scene_, at.probe, at.pixel.face);
-        return uniform_pixel(scene, view, at.pixel.x, at.pixel.y, 1, stats).mean();
+        return CoarseColor{uniform_pixel(scene, view, at.pixel.x, at.pixel.y, 1, stats).mean()};
     };
     norms_ = coarse_irradiance_norms(job_.probes, sample, see);
     search_cost_ += norms_->cost;
@@ -327,9 +327,9 @@ CurvePoint PilotSample::render_leaf_rays(const RenderSettings& settings) {
         moments.add(sample_.pixels[i].weight * variance / (3.0 * exposure2));
         noise.push_back({probe, pixel, job_.probes[probe].face_size_px, variance});
     }
-    CurvePoint point{settings, cost.all_rays(), cost.steps, cost.seconds, {}, {}};
+    CurvePoint point{settings, cost.all_rays(), cost.steps, cost.seconds, {}};
     point.error.mse = Estimate::of_mean(moments);
-    point.irradiance_square = expected_irradiance_square(noise, irradiance_norms(noise));
+    point.error.irradiance_square = expected_irradiance_square(noise, irradiance_norms(noise));
     return point;
 }
 

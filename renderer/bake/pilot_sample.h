@@ -17,8 +17,6 @@ struct CurvePoint {
     uint64_t steps = 0;
     double seconds = 0.0;  // of one thread
     MeasuredError error;
-    /// Of irradiance_rel, where pixels err independently (irradiance_noise.h).
-    std::optional<Estimate> irradiance_square;
 };
 
 /// How many pixels the pilot of one state draws.

@@ -35,6 +35,7 @@ class FileMaker {
             add_file("sh.json", encode_sh({.radiance = project_sh(what_.as_written),
                                            .audit = result_.certificate.sh,
                                            .confidence = result_.confidence,
+                                           .expected = expected_irradiance(),
                                            .probe = attributes}));
         }
         if (what_.job.products.specular) add_specular(attributes);
@@ -42,6 +43,18 @@ class FileMaker {
     }
 
   private:
+    std::optional<ExpectedIrradiance> expected_irradiance() const {
+        const QualitySpec& quality = what_.job.quality;
+        const std::optional<IrradianceNoise>& noise = result_.certificate.noise;
+        for (size_t t = 0; t < result_.pooled.size(); ++t) {
+            if (quality.targets[t].metric == QualityTarget::Metric::kIrradianceRel && noise &&
+                result_.pooled[t]) {
+                return ExpectedIrradiance{*noise, *result_.pooled[t], quality.evidence.confidence};
+            }
+        }
+        return std::nullopt;
+    }
+
     ProbeAttributes attributes() const {
         ProbeAttributes out = state_attributes(what_.scene, what_.job, what_.state);
         out.id = probe_.id;

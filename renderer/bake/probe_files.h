@@ -1,7 +1,9 @@
 // The files of a probe: every product that the job names, with what is known of it in the headers.
 #pragma once
 
-#include "bake/bake_probe.h"
+#include "bake/probe_result.h"
+#include "bake/state_light.h"
+#include "scene/scene.h"
 
 namespace probebake {
 

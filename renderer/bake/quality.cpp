@@ -95,23 +95,28 @@ std::optional<Estimate> error_size(QualityTarget::Metric metric, const MeasuredE
             size.third_moment = -size.third_moment;
             return size;
         }
-        default:
-            return std::nullopt;
+        case QualityTarget::Metric::kIrradianceRel:
+            return error.irradiance_square;
+        case QualityTarget::Metric::kRays:
+            break;
     }
+    return std::nullopt;
 }
 
 std::optional<double> largest_size(const QualityTarget& target) {
     switch (target.metric) {
         case QualityTarget::Metric::kPsnrDb:
         case QualityTarget::Metric::kRmse:
+        case QualityTarget::Metric::kIrradianceRel:
             return largest_square(target);
         case QualityTarget::Metric::kRelMse:
             return target.value;
         case QualityTarget::Metric::kSsim:
             return 1.0 - target.value;
-        default:
-            return std::nullopt;
+        case QualityTarget::Metric::kRays:
+            break;
     }
+    return std::nullopt;
 }
 
 bool estimate_meets(const QualityTarget& target, const MeasuredError& error) {

@@ -58,6 +58,8 @@ struct MeasuredError {
     std::optional<Estimate> ssim;
     std::optional<NormEstimate> irradiance;  // relative (sh_audit.h)
     std::optional<Estimate> rel_mse;
+    /// Its square, expected of pixels that err independently (irradiance_noise.h).
+    std::optional<Estimate> irradiance_square;
 };
 
 /// The figures of a MeasuredError as reports show them.
@@ -75,8 +77,8 @@ ErrorFigures figures_of(const Estimate& mse, double confidence);
 double largest_square(const QualityTarget& target);
 
 /// Errors of all metrics as sizes that shrink as a render is refined: mean squared error (PSNR and
-/// RMSE), rel_mse, 1 − SSIM; and the largest that meets a target. None where it was not measured,
-/// and of irradiance and rays.
+/// RMSE), rel_mse, 1 − SSIM, irradiance_square; and the largest that meets a target. None where it
+/// was not measured, and of rays.
 std::optional<Estimate> error_size(QualityTarget::Metric metric, const MeasuredError& error);
 std::optional<double> largest_size(const QualityTarget& target);
 

@@ -1,6 +1,7 @@
 #include "bake/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "bake/job_names.h"
@@ -57,6 +58,10 @@ Json write_error(const MeasuredError& error, double confidence) {
         const Interval interval = error.irradiance->interval(confidence);
         json["irradiance_rel"] = error.irradiance->value();
         json["irradiance_rel_interval"] = {interval.low, interval.high};
+    } else if (error.irradiance_square) {
+        const ErrorFigures expected = figures_of(*error.irradiance_square, confidence);
+        json["irradiance_rel"] = expected.rmse;
+        json["irradiance_rel_interval"] = {expected.rmse_interval.low, expected.rmse_interval.high};
     }
     if (error.rel_mse) {
         const Interval interval = error.rel_mse->interval(confidence);
@@ -90,6 +95,11 @@ Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
                 json["ssim"] = 1.0 - pooled.value;
                 json["ssim_interval"] = {1.0 - interval.high, 1.0 - interval.low};
                 break;
+            case QualityTarget::Metric::kIrradianceRel:
+                json["irradiance_rel"] = std::sqrt(pooled.value);
+                json["irradiance_rel_interval"] = {std::sqrt(interval.low),
+                                                   std::sqrt(interval.high)};
+                break;
             default: {
                 const ErrorFigures figures = error_figures(job.quality, result);
                 json["rmse"] = figures.rmse;
@@ -116,12 +126,6 @@ Json write_curve(const Pilot& pilot, double confidence) {
                      {"steps", point.steps},
                      {"seconds", point.seconds}};
         json["error"] = write_error(point.error, confidence);
-        if (point.irradiance_square) {
-            const ErrorFigures figures = figures_of(*point.irradiance_square, confidence);
-            json["error"]["irradiance_rel"] = figures.rmse;
-            json["error"]["irradiance_rel_interval"] = {figures.rmse_interval.low,
-                                                        figures.rmse_interval.high};
-        }
         curve.push_back(std::move(json));
     }
     return curve;
@@ -319,7 +323,10 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
         if (result.state.id != state.id) continue;
         const MeasuredError& error = result.certificate.error;
         pooled.mse.add(weight, error.mse);
-        if (error.irradiance) {
+        if (error.irradiance_square) {
+            if (!pooled.irradiance_square) pooled.irradiance_square = Estimate{};
+            pooled.irradiance_square->add(weight, *error.irradiance_square);
+        } else if (error.irradiance) {
             if (!pooled.irradiance) pooled.irradiance = NormEstimate{};
             pooled.irradiance->add(weight, *error.irradiance);
         }

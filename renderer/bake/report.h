@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "bake/bake_probe.h"
+#include "bake/pilot.h"
 #include "bake/probe_places.h"
+#include "bake/probe_result.h"
 
 namespace probebake {
 

@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 4;
+constexpr uint64_t kVersion = 5;
 
 class Damaged {};
 
@@ -199,14 +199,20 @@ void fields(Archive& archive, T& audit) {
 
 template <class Archive, Either<MeasuredError> T>
 void fields(Archive& archive, T& error) {
-    auto& [mse, ssim, irradiance, rel_mse] = error;
-    archive(mse, ssim, irradiance, rel_mse);
+    auto& [mse, ssim, irradiance, rel_mse, irradiance_square] = error;
+    archive(mse, ssim, irradiance, rel_mse, irradiance_square);
+}
+
+template <class Archive, Either<IrradianceNoise> T>
+void fields(Archive& archive, T& noise) {
+    auto& [square, spread, channels] = noise;
+    archive(square, spread, channels);
 }
 
 template <class Archive, Either<Audit> T>
 void fields(Archive& archive, T& audit) {
-    auto& [error, pixels, windows, predicted, sh, cost] = audit;
-    archive(error, pixels, windows, predicted, sh, cost);
+    auto& [error, pixels, windows, predicted, sh, noise, cost] = audit;
+    archive(error, pixels, windows, predicted, sh, noise, cost);
 }
 
 template <class Archive, Either<Interval> T>
@@ -223,8 +229,8 @@ void fields(Archive& archive, T& pooled) {
 
 template <class Archive, Either<AuditedRatio> T>
 void fields(Archive& archive, T& ratio) {
-    auto& [predicted, measured, variance, draws] = ratio;
-    archive(predicted, measured, variance, draws);
+    auto& [predicted, measured, variance, draws, chance] = ratio;
+    archive(predicted, measured, variance, draws, chance);
 }
 
 template <class Archive, Either<ProductFile> T>

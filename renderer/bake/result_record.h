@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "bake/bake_probe.h"
+#include "bake/probe_result.h"
 
 namespace probebake {
 

@@ -1,6 +1,7 @@
 #include "bake/sh_file.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/json.h"
 
@@ -20,21 +21,43 @@ Json write_coefficients(const ShRgb& coefficients) {
 
 Json write_interval(const Interval& interval) { return {interval.low, interval.high}; }
 
+/// Of the irradiance.
+struct ShError {
+    double confidence = 0.95;
+    double relative = 0.0;
+    Interval interval;
+    Vec3 largest;  // difference, for any normal
+};
+
+ShError error_by_draws(const ShFile& file) {
+    const NormEstimate relative = relative_irradiance(*file.audit, file.radiance);
+    ShError error{file.confidence, relative.value(), relative.interval(file.confidence), {}};
+    for (size_t c = 0; c < file.audit->channels.size(); ++c) {
+        const double norm = file.audit->channels[c].interval(file.confidence).high;
+        error.largest[static_cast<int>(c)] = kShLargestIrradiance * norm;
+    }
+    return error;
+}
+
+ShError expected_error(const ExpectedIrradiance& expected) {
+    const auto& [noise, square, confidence] = expected;
+    const double off_by = noise.square > 0.0 ? square.interval.high / noise.square : 0.0;
+    return {confidence,
+            std::sqrt(square.value),
+            {std::sqrt(square.interval.low), std::sqrt(square.interval.high)},
+            kShLargestIrradiance * glm::sqrt(off_by * noise.channels)};
+}
+
 Json write_audit(const ShFile& file) {
     const ShAudit& audit = *file.audit;
-    const NormEstimate relative = relative_irradiance(audit, file.radiance);
-    Vec3 largest;
-    for (size_t c = 0; c < audit.channels.size(); ++c) {
-        const double norm = audit.channels[c].interval(file.confidence).high;
-        largest[static_cast<int>(c)] = kShLargestIrradiance * norm;
-    }
+    const ShError error = file.expected ? expected_error(*file.expected) : error_by_draws(file);
     return {{"draws", audit.draws},
-            {"confidence", file.confidence},
+            {"confidence", error.confidence},
             {"difference", write_coefficients(audit.difference)},
             {"standard_error", write_coefficients(audit.standard_error)},
-            {"irradiance_rel", relative.value()},
-            {"irradiance_rel_interval", write_interval(relative.interval(file.confidence))},
-            {"irradiance_off_by_at_most", write_rgb(largest)}};
+            {"irradiance_rel", error.relative},
+            {"irradiance_rel_interval", write_interval(error.interval)},
+            {"irradiance_off_by_at_most", write_rgb(error.largest)}};
 }
 
 }  // namespace

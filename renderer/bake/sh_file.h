@@ -7,16 +7,28 @@
 #include <optional>
 #include <vector>
 
+#include "bake/error_prior.h"
+#include "bake/irradiance_noise.h"
 #include "bake/sh_audit.h"
 #include "image/exr.h"
 
 namespace probebake {
+
+/// What pixels that err independently lead to expect of the square of irradiance_rel, and what is
+/// known of it.
+struct ExpectedIrradiance {
+    IrradianceNoise noise;
+    PooledError square;
+    double confidence = 0.95;
+};
 
 struct ShFile {
     const ShRgb& radiance;
     /// None where nothing was audited.
     const std::optional<ShAudit>& audit;
     double confidence = 0.95;
+    /// In place of what the audit's draws say by themselves.
+    std::optional<ExpectedIrradiance> expected;
     /// Whose they are, as the headers of the EXR files say it.
     const ProbeAttributes& probe;
 };

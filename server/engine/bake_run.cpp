@@ -7,6 +7,8 @@
 #include <chrono>
 #include <new>
 
+#include "bake/bake_probe.h"
+#include "bake/learn.h"
 #include "bake/probe_files.h"
 #include "engine/remaining_time.h"
 

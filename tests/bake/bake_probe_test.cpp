@@ -1,4 +1,5 @@
 #include "bake/bake_probe.h"
+#include "bake/learn.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

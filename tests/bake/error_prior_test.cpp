@@ -35,6 +35,20 @@ TEST(ErrorPrior, AuditsOfOneProbeAreAddedUpAsOfWhatIsPredictedNow) {
     EXPECT_EQ(with_further_audit({}, second).measured, 1.0);
 }
 
+TEST(ErrorPrior, WhereAuditsTellWhatToExpectChanceIsAddedToIt) {
+    const ErrorPrior prior{.ratio = 1.0, .spread = 0.4, .draw_cv = 4.0};
+    AuditedRatio audit{.predicted = 2.0, .measured = 3.0, .draws = 100'000'000};
+    audit.chance = std::sqrt(2.0 / 4.0);  // of the mean of four squares of normal variables
+    const PooledError large = pooled_error(prior, audit, 0.95);
+    EXPECT_NEAR(large.value, 3.0, 1e-3);
+    EXPECT_NEAR(large.upper, 3.0 * 9.4877 / 4.0, 0.01);  // chi squared, 0.95 at 4 degrees
+    audit.draws = 0;
+    const PooledError alone = pooled_error(prior, audit, 0.95);
+    audit.chance = 0.0;
+    EXPECT_GT(alone.upper, 1.2 * pooled_error(prior, audit, 0.95).upper);
+    EXPECT_GT(alone.upper, 1.05 * 2.0 * 9.4877 / 4.0);
+}
+
 /// Normal by Box and Muller.
 double normal(RandomStream& random) {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - random.uniform()));

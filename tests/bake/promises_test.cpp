@@ -6,6 +6,7 @@
 
 #include "bake/bake_fixture.h"
 #include "bake/bake_probe.h"
+#include "bake/learn.h"
 #include "image/exr.h"
 #include "image/metrics.h"
 #include "render/render.h"

@@ -1,4 +1,5 @@
 #include "bake/report.h"
+#include "bake/bake_probe.h"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bake/bake_fixture.h"
+#include "bake/bake_probe.h"
 #include "bake/report.h"
 #include "bake/sh_file.h"
 #include "image/exr.h"
@@ -39,8 +40,9 @@ class ShTest : public testing::Test {
 };
 
 // 300 audits of one cubemap against the differences from a truth of 32 × 32 rays per pixel: no
-// coefficient is biased by more than 4.5 standard errors (27 of them), intervals of 95 % cover in
-// at least 91 % (300 runs see 90 %), and would not cover an error that is 2.5 times as large.
+// coefficient is biased by more than 4.5 standard errors (27 of them), intervals of 95 % cover
+// in at least 91 % (300 runs see 90 %), and would not cover an error that is 2.5 times as
+// large.
 TEST_F(ShTest, TheAuditEstimatesTheDifferencesAndItsIntervalsCover) {
     const JobSpec job = test::small_job(1);
     const RenderScene what = render_scene(scene_, job.probes[0], LightingState::kAlbedo);
@@ -169,8 +171,9 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
             << what;
     }
     const Pilot pilot = this->pilot(job);
-    // In each of the sample's 384 pixels two rays of truth, for the exposure, and, for the curve,
-    // twice 1 + 4 + 9 + 16 leaf rays; the irradiance seen from both probes, by 8 × 8 pixels a face.
+    // In each of the sample's 384 pixels two rays of truth, for the exposure, and, for the
+    // curve, twice 1 + 4 + 9 + 16 leaf rays; the irradiance seen from both probes, by 8 × 8
+    // pixels a face.
     constexpr uint64_t kPixels = 384;
     EXPECT_EQ(pilot.curve.size(), 4U);
     EXPECT_EQ(pilot.curve_cost.all_rays(), 30 * kPixels);

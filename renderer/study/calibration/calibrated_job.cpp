@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bake/bake_probe.h"
+#include "bake/learn.h"
 #include "bake/probe_view.h"
 #include "image/exr.h"
 #include "render/hybrid_view.h"

@@ -181,7 +181,7 @@ TEST(AuditSize, WindowsOfSsimCostWhatTheRenderDoes) {
     int count = 0;
     for (uint64_t key = 0; key < 4000; ++key) {
         const WindowDraws spared =
-            ssim_windows({.rays_per_pixel = 6.0, .pooled = true, .key = key}, 9.0 * 121.0);
+            ssim_windows({.rays_per_pixel = 20.0, .pooled = true, .key = key}, 9.0 * 121.0);
         EXPECT_EQ(spared.grid, 3);
         EXPECT_EQ(spared.count % 2, 0);
         count += spared.count;

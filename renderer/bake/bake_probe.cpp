@@ -240,7 +240,12 @@ class Unit {
     /// Through media: the settings from `next` on whose pixels lead to expect the irradiance that
     /// is asked for, where those of the render do not.
     std::optional<size_t> finer_for_irradiance(size_t next) const {
-        if (!through_media() || next == pilot_.finer.size()) return std::nullopt;
+        const bool any_will_do =
+            job_.quality.targets.size() > 1 && job_.quality.require == Require::kAny;
+        if (!through_media() || any_will_do || params_.out_of_time || render_.limited ||
+            next == pilot_.finer.size()) {
+            return std::nullopt;
+        }
         std::optional<size_t> finer;
         for (size_t t = 0; t < pilot_.steering.size(); ++t) {
             if (!pilot_.steering[t]) continue;

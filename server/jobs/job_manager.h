@@ -92,6 +92,8 @@ class JobManager {
         size_t keep_jobs = 100;
         uint64_t keep_bytes = uint64_t{16} << 30;
         std::chrono::seconds keep_time = std::chrono::hours(24 * 30);
+        /// That the cubemaps which are rendered at once may take; 0: what the machine has.
+        uint64_t memory_bytes = 0;
         /// How long an idempotency key is known.
         std::chrono::seconds key_time = std::chrono::hours(24);
         /// Told of every change of state, one call at a time; `cause` is the text of an exception
@@ -142,6 +144,8 @@ class JobManager {
     bool draining() const;
     const Options& options() const { return options_; }
     std::map<JobState, size_t> counts() const;
+    /// That jobs which wait or run may still write.
+    uint64_t promised_bytes() const;
 
   private:
     struct Job {
@@ -149,7 +153,7 @@ class JobManager {
         std::string scene_sha256;
         int64_t crashes = 0;
         uint64_t bytes = 0;       // of its files so far
-        uint64_t most_bytes = 0;  // that they may take; 0 for jobs of an earlier run
+        uint64_t most_bytes = 0;  // that they may take
         bool running = false;     // on one of the threads
         bool preparing = false;   // loading, lighting, pilot
         CancelToken cancel;
@@ -183,7 +187,7 @@ class JobManager {
     void end(const JobPtr& job, const Outcome& outcome);
     // With mutex_ held:
     bool clock_is_steady() const;
-    uint64_t promised_bytes() const;
+    uint64_t promised() const;
     JobPtr next_job() const;
     JobSnapshot snapshot(const Job& job) const;
     void enter(Job& job, JobState state, const std::string& cause = {});

@@ -23,6 +23,7 @@ TEST_F(JobStoreTest, WhatWasAcceptedIsThereAfterARestart) {
     EXPECT_EQ(found.state, JobState::kQueued);
     EXPECT_EQ(found.scene_sha256, job.scene_sha256);
     EXPECT_EQ(found.units, 3U);
+    EXPECT_EQ(found.most_bytes, 50'000U);
     EXPECT_EQ(store_->request_of(first), job.request);
     EXPECT_LT(second, insert()) << "numbers are not used twice";
 }
@@ -205,6 +206,26 @@ TEST_F(JobStoreTest, ADeletedJobTakesItsFilesWithIt) {
     EXPECT_EQ(text_of(*open->content), "mine") << "a download that began goes on";
     reopen();
     EXPECT_EQ(store_->jobs().size(), 1U);
+}
+
+TEST_F(JobStoreTest, AnExpiredJobIsRememberedADeletedOneIsNot) {
+    const int64_t expired = running();
+    const int64_t deleted = running();
+    publish(expired, 0, "mine");
+    const std::string expired_id = find(expired).id;
+    const std::string deleted_id = find(deleted).id;
+    end(expired);
+    end(deleted);
+    EXPECT_FALSE(store_->tenant_of_expired(expired_id));
+    store_->expire(expired);
+    store_->remove(deleted);
+    while (store_->tidy()) {
+    }
+    EXPECT_FALSE(fs::exists(path_of("mine")));
+    reopen();
+    EXPECT_TRUE(store_->jobs().empty());
+    EXPECT_EQ(store_->tenant_of_expired(expired_id), "local");
+    EXPECT_FALSE(store_->tenant_of_expired(deleted_id));
 }
 
 TEST_F(JobStoreTest, FilesThatNobodyNamesAreSweptAway) {

@@ -57,7 +57,9 @@ TEST(FailedSync, C9_IsNeverTriedAgain) {
     if (test::sanitized()) GTEST_SKIP() << "the shim and a sanitizer do not go together";
     int ended = 0;
     int tried = 0;
-    for (const int n : {1, 2, 3, 5, 8, 13, 21, 34, 55, 89}) {
+    // The 4th and the 8th are SQLite's own of the folder, whose outcome it does not look at; the 11th
+    // is ours of the same folder.
+    for (const int n : {1, 2, 3, 5, 11, 13, 21, 34, 55, 89}) {
         const TempFolder folder;
         const std::string data = (folder.path() / "data").string();
         const std::string ack = (folder.path() / "ack").string();
@@ -85,7 +87,8 @@ TEST(UnusableData, C5_NetworkFileSystemsAreRefused) {
         Process workload(
             folder.path() / "workload", {data, (folder.path() / "ack").string(), "1"},
             test::shimmed(PROBEBAKE_WORKLOAD, {"SHIM_ROOT=" + data, "SHIM_FS_TYPE=" + type}));
-        return std::pair(workload.wait().value_or(-2), workload.err());
+        const int code = workload.wait().value_or(-2);
+        return std::pair(code, workload.err());
     };
     for (const char* type : {"6969", "517b", "ff534d42", "fe534d42", "1021997", "65735546"}) {
         const auto [code, said] = start_on(type);

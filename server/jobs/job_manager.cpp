@@ -118,6 +118,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
     const auto replay = [&](const tables::Inserted& known) -> Submitted {
         if (known.conflict) throw KeyReused();
         std::optional<JobSnapshot> job = find(*known.replay_of);
+        if (!job && store_.tenant_of_expired(*known.replay_of)) throw JobExpired();
         if (!job) throw ServiceBusy("draining", "the job of that key is being removed");
         return {std::move(*job), true};
     };

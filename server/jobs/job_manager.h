@@ -52,6 +52,9 @@ class ServiceBusy : public std::runtime_error {
 /// Thrown for an idempotency key that came with another request before.
 class KeyReused : public std::exception {};
 
+/// Thrown for an idempotency key whose job was removed by retention.
+class JobExpired : public std::exception {};
+
 /// What jobs need of the scenes.
 struct SceneSource {
     /// No value where there is none of that name. Throws what SceneLibrary::find throws.
@@ -116,8 +119,8 @@ class JobManager {
     JobManager(const JobManager&) = delete;
     JobManager& operator=(const JobManager&) = delete;
 
-    /// Durable when it returns. Throws ServiceBusy, KeyReused, and IoError where the scene cannot
-    /// be read.
+    /// Durable when it returns. Throws ServiceBusy, KeyReused, JobExpired, and IoError where the
+    /// scene cannot be read.
     Submitted submit(const JobRequest& request);
     std::optional<JobSnapshot> find(const std::string& id) const;
     /// Newest first.

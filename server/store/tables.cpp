@@ -94,8 +94,13 @@ constexpr std::array<const char*, 2> kMigrations = {
     "CREATE TABLE expired ("
     "  sequence INTEGER PRIMARY KEY,"
     "  id TEXT NOT NULL UNIQUE,"
-    "  tenant TEXT NOT NULL"
-    ") STRICT;"};
+    "  tenant TEXT NOT NULL,"
+    "  request_sha256 TEXT NOT NULL,"
+    "  idempotency_key TEXT,"
+    "  created INTEGER NOT NULL"
+    ") STRICT;"
+    "CREATE INDEX expired_by_key ON expired (tenant, idempotency_key)"
+    "  WHERE idempotency_key IS NOT NULL;"};
 
 void check(Database& db) {
     std::string problem;
@@ -209,12 +214,16 @@ std::vector<StoredJob> jobs(Database& db) {
 std::optional<Inserted> find_key(Database& db, const NewJob& job) {
     std::optional<Inserted> found;
     if (!job.idempotency_key) return found;
+    const auto take = [&](const Row& row) {
+        found = Inserted{row.integer(0), row.text(1), row.text(2) != job.request_sha256};
+    };
     db.query(
         "SELECT sequence, id, request_sha256 FROM jobs WHERE tenant = ? AND idempotency_key = ?",
-        [&](const Row& row) {
-            found = Inserted{row.integer(0), row.text(1), row.text(2) != job.request_sha256};
-        },
-        job.tenant, *job.idempotency_key);
+        take, job.tenant, *job.idempotency_key);
+    if (found) return found;
+    db.query(
+        "SELECT sequence, id, request_sha256 FROM expired WHERE tenant = ? AND idempotency_key = ?",
+        take, job.tenant, *job.idempotency_key);
     return found;
 }
 
@@ -232,6 +241,10 @@ Inserted insert_job(Database& db, const NewJob& job) {
 void forget_keys(Database& db, UnixMs created_before) {
     db.run(
         "UPDATE jobs SET idempotency_key = NULL WHERE idempotency_key IS NOT NULL AND created < ?",
+        created_before);
+    db.run(
+        "UPDATE expired SET idempotency_key = NULL"
+        " WHERE idempotency_key IS NOT NULL AND created < ?",
         created_before);
 }
 
@@ -380,7 +393,8 @@ std::set<std::string> delete_job(Database& db, int64_t job) {
 std::set<std::string> expire_job(Database& db, int64_t job) {
     constexpr int64_t kRemembered = 1'000'000;
     db.run(
-        "INSERT INTO expired (sequence, id, tenant) SELECT sequence, id, tenant FROM jobs"
+        "INSERT INTO expired (sequence, id, tenant, request_sha256, idempotency_key, created)"
+        " SELECT sequence, id, tenant, request_sha256, idempotency_key, created FROM jobs"
         " WHERE sequence = ?",
         job);
     db.run("DELETE FROM expired WHERE sequence < ? - ?", job, kRemembered);

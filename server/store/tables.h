@@ -4,7 +4,7 @@
 //   units   one row per work unit (probe × state) that was begun; those from `jobs.units` on are
 //           grids as wholes
 //   files   which files a unit (or, as unit −1, the job) has, by their digests
-//   expired whose the jobs were that retention removed, of the last million jobs
+//   expired whose the jobs were that retention removed, of the last million jobs, and their keys
 //
 // All functions run within a transaction or between two of them, on the thread that owns the
 // connection. Those that change a job's state say so only where the state allows it: what was
@@ -121,7 +121,7 @@ std::vector<StoredJob> jobs(Database& db);
 
 struct Inserted {
     int64_t sequence = 0;
-    std::optional<std::string> replay_of;  // the id that this key was used for
+    std::optional<std::string> replay_of;  // the id that this key was used for, expired or not
     bool conflict = false;                 // with another request
 };
 Inserted insert_job(Database& db, const NewJob& job);

@@ -362,7 +362,8 @@ TEST(Api, TellsAboutItself) {
 
 TEST(Api, JobsThatRetentionRemovedAreGone) {
     RunningService service([](ServiceOptions& options) { options.jobs.keep_jobs = 1; });
-    const std::string first = service.bake(test::net_request(1));
+    const httplib::Headers once = {{"Idempotency-Key", "once"}, {"Prefer", "wait=30"}};
+    const std::string first = service.post("/v1/bakes", once, test::net_request(1)).json().at("id");
     service.bake(test::net_request(1));
     for (int i = 0; i < 200 && service.get("/v1/bakes/" + first).status != 410; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -377,6 +378,8 @@ TEST(Api, JobsThatRetentionRemovedAreGone) {
         }
         EXPECT_EQ(service.post("/v1/bakes/" + first + ":cancel").status, 410);
         EXPECT_EQ(service.remove("/v1/bakes/" + first).status, 410);
+        const Answer again = service.post("/v1/bakes", once, test::net_request(1));
+        EXPECT_EQ(again.status, 410) << "not baked once more";
     }
     EXPECT_EQ(service.get("/v1/bakes/b-0").status, 404);
 }

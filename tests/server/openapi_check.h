@@ -81,6 +81,13 @@ class OpenApiCheck {
         return problems;
     }
 
+    /// What is wrong with a value that should have this schema.
+    std::vector<std::string> schema_problems(const std::string& name, const Json& value) const {
+        std::vector<std::string> problems;
+        check(schema(name), value, name, problems);
+        return problems;
+    }
+
     /// What is wrong with the body of a request to this path.
     std::vector<std::string> request_problems(const std::string& method, const std::string& target,
                                               const Json& body) const {

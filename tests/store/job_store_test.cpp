@@ -228,6 +228,26 @@ TEST_F(JobStoreTest, AnExpiredJobIsRememberedADeletedOneIsNot) {
     EXPECT_FALSE(store_->tenant_of_expired(deleted_id));
 }
 
+TEST_F(JobStoreTest, AKeyOutlivesItsExpiredJob) {
+    NewJob job = new_job();
+    job.idempotency_key = "k";
+    const int64_t sequence = store_->insert(job).sequence;
+    end(sequence, JobState::kCancelled);
+    store_->expire(sequence);
+    reopen();
+    NewJob again = job;
+    again.id = new_job_id();
+    EXPECT_EQ(store_->insert(again).replay_of, job.id);
+    again.request_sha256 = "other";
+    EXPECT_TRUE(store_->find_key(again)->conflict);
+    again.tenant = "another";
+    EXPECT_FALSE(store_->find_key(again));
+    EXPECT_TRUE(store_->jobs().empty());
+    store_->forget_keys(job.created + 1);
+    again.tenant = job.tenant;
+    EXPECT_FALSE(store_->insert(again).replay_of);
+}
+
 TEST_F(JobStoreTest, FilesThatNobodyNamesAreSweptAway) {
     const int64_t job = running();
     publish(job, 0, "named");

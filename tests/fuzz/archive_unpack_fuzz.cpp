@@ -19,16 +19,19 @@ void require(bool holds) {
     if (!holds) std::abort();
 }
 
+/// In memory where there is such a folder: a fuzzer writes it some hundred times a second.
+struct Folder {
+    fs::path path = (fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path()) /
+                    fs::path("probebake-fuzz-" + std::to_string(::getpid()));
+    ~Folder() {
+        std::error_code error;
+        fs::remove_all(path, error);
+    }
+};
+
 const fs::path& folder() {
-    static const fs::path path = [] {
-        const fs::path memory = fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
-        std::atexit([] {
-            std::error_code error;
-            fs::remove_all(folder(), error);
-        });
-        return memory / ("probebake-fuzz-" + std::to_string(::getpid()));
-    }();
-    return path;
+    static const Folder folder;
+    return folder.path;
 }
 
 }  // namespace

@@ -19,18 +19,19 @@ void require(bool holds) {
 }
 
 /// In memory where there is such a folder: a fuzzer writes it a thousand times a second.
-const fs::path& file() {
-    static const fs::path path = [] {
-        const fs::path memory = fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
-        const fs::path folder = memory / ("probebake-fuzz-" + std::to_string(::getpid()));
-        fs::create_directories(folder);
-        std::atexit([] {
-            std::error_code error;
-            fs::remove_all(file().parent_path(), error);
-        });
-        return folder / "scene.json";
-    }();
-    return path;
+struct Folder {
+    fs::path path = (fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path()) /
+                    fs::path("probebake-fuzz-" + std::to_string(::getpid()));
+    Folder() { fs::create_directories(path); }
+    ~Folder() {
+        std::error_code error;
+        fs::remove_all(path, error);
+    }
+};
+
+fs::path file() {
+    static const Folder folder;
+    return folder.path / "scene.json";
 }
 
 /// A file of the scene's own folder, or of one below it.

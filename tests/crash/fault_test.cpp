@@ -57,8 +57,8 @@ TEST(FailedSync, C9_IsNeverTriedAgain) {
     if (test::sanitized()) GTEST_SKIP() << "the shim and a sanitizer do not go together";
     int ended = 0;
     int tried = 0;
-    // The 4th and the 8th are SQLite's own of the folder, whose outcome it does not look at; the 11th
-    // is ours of the same folder.
+    // The 4th and the 8th are SQLite's own of the folder, whose outcome it does not look at; the
+    // 11th is ours of the same folder.
     for (const int n : {1, 2, 3, 5, 11, 13, 21, 34, 55, 89}) {
         const TempFolder folder;
         const std::string data = (folder.path() / "data").string();

@@ -1,11 +1,10 @@
 // unpack_scene on anything: plain files beneath its folder that take no more than the archive, or
 // an IoError.
-#include <unistd.h>
-
 #include <cstdlib>
 #include <string>
 
 #include "engine/scene_archive.h"
+#include "fuzz/memory_folder.h"
 #include "io/file.h"
 #include "io/io_error.h"
 #include "scene/scene_library.h"
@@ -19,18 +18,8 @@ void require(bool holds) {
     if (!holds) std::abort();
 }
 
-/// In memory where there is such a folder: a fuzzer writes it some hundred times a second.
-struct Folder {
-    fs::path path = (fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path()) /
-                    fs::path("probebake-fuzz-" + std::to_string(::getpid()));
-    ~Folder() {
-        std::error_code error;
-        fs::remove_all(path, error);
-    }
-};
-
 const fs::path& folder() {
-    static const Folder folder;
+    static const MemoryFolder folder;
     return folder.path;
 }
 

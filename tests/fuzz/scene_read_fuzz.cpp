@@ -1,10 +1,9 @@
 // read_scene_file on anything: a scene file within its limits, or a SpecError or IoError.
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdlib>
 #include <string>
 
+#include "fuzz/memory_folder.h"
 #include "io/file.h"
 #include "io/spec_error.h"
 #include "scene/scene_library.h"
@@ -18,19 +17,8 @@ void require(bool holds) {
     if (!holds) std::abort();
 }
 
-/// In memory where there is such a folder: a fuzzer writes it a thousand times a second.
-struct Folder {
-    fs::path path = (fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path()) /
-                    fs::path("probebake-fuzz-" + std::to_string(::getpid()));
-    Folder() { fs::create_directories(path); }
-    ~Folder() {
-        std::error_code error;
-        fs::remove_all(path, error);
-    }
-};
-
 fs::path file() {
-    static const Folder folder;
+    static const MemoryFolder folder;
     return folder.path / "scene.json";
 }
 

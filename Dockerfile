@@ -27,5 +27,5 @@ USER probebake
 VOLUME ["/probebake/data", "/probebake/configs/scenes"]
 EXPOSE 8080
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
-    CMD ["probebake", "list", "--state", "RUNNING"]
+    CMD ["bash", "-c", "exec 3<>/dev/tcp/127.0.0.1/8080 && printf 'GET /healthz HTTP/1.0\\r\\nHost: localhost\\r\\n\\r\\n' >&3 && head -n 1 <&3 | grep -q ' 200 '"]
 CMD ["scripts/serve", "--listen", "0.0.0.0:8080", "--data", "data"]

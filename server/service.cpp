@@ -40,7 +40,8 @@ Service::Service(const ServiceOptions& options)
             .max_waiting = static_cast<int>(options.http.pool.workers / 2),
             .max_body_bytes = options.http.guard.max_body_bytes,
             .max_upload_bytes = options.http.guard.max_upload_bytes,
-            .min_free_bytes = options.store.min_free_bytes}),
+            .min_free_bytes = options.store.min_free_bytes,
+            .comment_interval = options.comment_interval}),
       http_(
           options.http,
           [this](const httplib::Request& request, httplib::Response& response,

@@ -25,6 +25,8 @@ struct ServiceOptions {
     /// Who may do what; without: whoever reaches the service may do everything.
     std::optional<std::filesystem::path> tokens;
     bool log_requests = true;
+    /// Of silence, before a stream of events has a comment.
+    std::chrono::milliseconds comment_interval{15000};
 };
 
 class Service {

@@ -1,4 +1,5 @@
 // probebake serve: the service, until SIGTERM or SIGINT.
+#include <arpa/inet.h>
 #include <pthread.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -40,7 +41,9 @@ struct ServeOptions {
 };
 
 bool is_loopback(const std::string& host) {
-    return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+    in_addr address{};  // and no name that only begins like one
+    return host == "localhost" || host == "::1" ||
+           (host.rfind("127.", 0) == 0 && ::inet_pton(AF_INET, host.c_str(), &address) == 1);
 }
 
 std::string in_url(const std::string& host) {
@@ -54,8 +57,15 @@ ServiceOptions service_options(const ServeOptions& options) {
             "--host " + service.http.host +
             " is reachable from other machines. There is no encryption, and idle connections can "
             "lock others out; without --tokens, whoever reaches the port can start and cancel "
-            "bakes and fill the disk. Put the proxy of scripts/serve in front, or pass --expose if "
-            "the network is yours alone");
+            "bakes and fill the disk. Put the proxy of scripts/serve in front, or pass --expose "
+            "and "
+            "--tokens if the network is yours alone");
+    }
+    if (options.expose && !service.http.socket && !is_loopback(service.http.host) &&
+        !service.tokens) {
+        throw std::invalid_argument("--expose wants --tokens: without them, whoever reaches " +
+                                    service.http.host +
+                                    " could start and cancel bakes and fill the disk");
     }
     service.scenes = options.scenes.scenes;
     service.threads = options.scenes.threads;

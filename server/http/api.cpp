@@ -24,6 +24,7 @@ const std::vector<Api::Route>& Api::routes() {
         {"GET", "/v1/scenes/{name}", Scope::kRead, &Api::scene},
         {"PUT", "/v1/scenes/{name}", Scope::kAdmin, &Api::upload_scene},
         {"DELETE", "/v1/scenes/{name}", Scope::kAdmin, &Api::remove_scene},
+        {"GET", "/", Scope::kOpen, &Api::root},
         {"GET", "/v1/limits", Scope::kOpen, &Api::limits},
         {"GET", "/v1/version", Scope::kOpen, &Api::version},
         {"GET", "/openapi.json", Scope::kOpen, &Api::openapi},
@@ -80,6 +81,16 @@ void Api::handle(const httplib::Request& request, httplib::Response& response,
     (this->*route.handler)({request, response, match.params, who, upload});
 }
 
+void Api::root(const Call& call) {
+    QueryReader(call.request).refuse_unknown();
+    Json paths = Json::array();
+    for (const auto& [method, pattern] : route_names()) paths.push_back(method + " " + pattern);
+    answer_json({{"service", "probebake"},
+                 {"version", provenance(parts_.threads).at("version")},
+                 {"paths", std::move(paths)}},
+                call.response);
+}
+
 void Api::limits(const Call& call) {
     QueryReader(call.request).refuse_unknown();
     const JobLimits job;
@@ -117,8 +128,13 @@ void Api::ready(const Call& call) {
     QueryReader(call.request).refuse_unknown();
     const bool draining = parts_.jobs.draining();
     const bool room = parts_.store.has_room();
-    if (draining || !room) call.response.status = 503;
-    answer_json({{"ready", !draining && room}, {"draining", draining}, {"disk_has_room", room}},
+    const bool writable = parts_.store.data().is_writable();
+    const bool ready = !draining && room && writable;
+    if (!ready) call.response.status = 503;
+    answer_json({{"ready", ready},
+                 {"draining", draining},
+                 {"disk_has_room", room},
+                 {"database_writable", writable}},
                 call.response);
 }
 

@@ -40,6 +40,9 @@ class Api {
         uint64_t max_body_bytes = 0;
         uint64_t max_upload_bytes = 0;
         uint64_t min_free_bytes = 0;  // of the disk, below which nothing is taken
+        /// After that much silence events have a comment; after that time they end.
+        std::chrono::milliseconds comment_interval{15000};
+        std::chrono::milliseconds events_time{25000};
         /// Checks that may load scenes at once, and how long one waits for its scene.
         int max_checks = 4;
         std::chrono::milliseconds check_time{20000};
@@ -109,6 +112,7 @@ class Api {
     Json describe_scene(const std::string& name) const;
 
     // api.cpp
+    void root(const Call& call);
     void limits(const Call& call);
     void version(const Call& call);
     void health(const Call& call);

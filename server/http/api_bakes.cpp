@@ -44,11 +44,17 @@ std::optional<std::chrono::seconds> wait_of(const httplib::Request& request) {
     constexpr uint64_t kMaxSeconds = 30;
     const std::string text = request.get_header_value("Prefer");
     constexpr std::string_view kWait = "wait=";
-    if (text.compare(0, kWait.size(), kWait) != 0) return std::nullopt;
-    const std::optional<uint64_t> seconds =
-        read_digits(std::string_view(text).substr(kWait.size()));
-    if (!seconds) return std::nullopt;
-    return std::chrono::seconds(std::min(*seconds, kMaxSeconds));
+    for (size_t at = 0; at < text.size();) {  // "respond-async, wait=10"
+        const size_t end = std::min(text.find(',', at), text.size());
+        std::string_view preference = std::string_view(text).substr(at, end - at);
+        while (preference.starts_with(' ')) preference.remove_prefix(1);
+        while (preference.ends_with(' ')) preference.remove_suffix(1);
+        at = end + 1;
+        if (!preference.starts_with(kWait)) continue;
+        const std::optional<uint64_t> seconds = read_digits(preference.substr(kWait.size()));
+        if (seconds) return std::chrono::seconds(std::min(*seconds, kMaxSeconds));
+    }
+    return std::nullopt;
 }
 
 std::optional<std::string> key_of(const httplib::Request& request) {
@@ -107,11 +113,18 @@ JobRequest Api::read_request(const Call& call) const {
 
 JobSnapshot Api::find_job(const Call& call) const {
     std::optional<JobSnapshot> job = parts_.jobs.find(call.params.at("id"));
+    if (!job) {
+        const auto tenant = parts_.store.tenant_of_expired(call.params.at("id"));
+        if (tenant && call.who.sees(*tenant)) {
+            throw ProblemError({.status = 410,
+                                .code = "expired",
+                                .detail = "the bake is gone with its files; finished ones are kept "
+                                          "for a while only, see /v1/limits"});
+        }
+    }
     if (!job || !call.who.sees(job->tenant)) {
-        throw ProblemError({.status = 404,
-                            .code = "unknown-bake",
-                            .detail = "there is no bake of that id; finished ones are kept for a "
-                                      "while only, see /v1/limits"});
+        throw ProblemError(
+            {.status = 404, .code = "unknown-bake", .detail = "there is no bake of that id"});
     }
     return std::move(*job);
 }

@@ -11,9 +11,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A client asks again with the last id that it has; a connection is not held for ever.
-constexpr std::chrono::seconds kEventsTime{25};
-constexpr std::chrono::seconds kCommentInterval{15};
 constexpr size_t kUnitPage = 100;
 constexpr size_t kChunkBytes = size_t{64} << 10;
 
@@ -121,7 +118,8 @@ void Api::events(const Call& call) {
     };
     // What the client saw last: it is told of what it missed, in the state in which it is now.
     const auto last = std::make_shared<std::string>(call.request.get_header_value("Last-Event-ID"));
-    const auto end = Clock::now() + kEventsTime;
+    // A client asks again with the last id that it has; a connection is not held for ever.
+    const auto end = Clock::now() + parts_.events_time;
     call.response.headers.erase("Cache-Control");
     call.response.set_header("Cache-Control", "no-store");
     call.response.set_chunked_content_provider(
@@ -133,7 +131,7 @@ void Api::events(const Call& call) {
             }
             std::optional<JobSnapshot> now = parts_.jobs.find(id);
             if (now && id_of(*now) == *last && !is_terminal(now->state)) {
-                now = parts_.jobs.wait_for_change(id, now->version, kCommentInterval);
+                now = parts_.jobs.wait_for_change(id, now->version, parts_.comment_interval);
             }
             std::string text = ": still there\n\n";
             if (now && id_of(*now) != *last) {

@@ -147,7 +147,12 @@ Metrics::Metrics()
                      .Name("probebake_disk_free_bytes")
                      .Help("Room on the disk of the data directory")
                      .Register(registry_)
-                     .Add({})) {
+                     .Add({})),
+      promised_(BuildGauge()
+                    .Name("probebake_promised_bytes")
+                    .Help("That jobs which wait or run may still write")
+                    .Register(registry_)
+                    .Add({})) {
     // There from the start, so that the first one is an increase.
     for (const char* kind : {"real", "null"}) collisions_.Add({{"kind", kind}});
     for (const char* result : {"mended", "lost"}) mended_.Add({{"result", result}});
@@ -221,6 +226,7 @@ std::string Metrics::scrape(const JobManager& jobs, const JobStore& store) {
     raise_to(recovered_, static_cast<double>(store.recovered().units));
     raise_to(poisoned_, static_cast<double>(store.recovered().poison));
     disk_free_.Set(static_cast<double>(store.data().free_bytes()));
+    promised_.Set(static_cast<double>(jobs.promised_bytes()));
     return prometheus::TextSerializer().Serialize(registry_.Collect());
 }
 

@@ -51,6 +51,7 @@ class Metrics {
     prometheus::Counter& writes_;
     prometheus::Counter& commit_seconds_;
     prometheus::Gauge& disk_free_;
+    prometheus::Gauge& promised_;
 };
 
 }  // namespace probebake

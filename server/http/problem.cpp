@@ -75,6 +75,10 @@ Problem problem_of(const std::exception_ptr& exception) {
                 .code = "disk-full",
                 .detail = "the disk is full",
                 .retry_after_seconds = 60};
+    } catch (const JobExpired&) {
+        return {.status = 410,
+                .code = "expired",
+                .detail = "the bake of that Idempotency-Key is gone with its files"};
     } catch (const KeyReused&) {
         return {.status = 422,
                 .code = "key-reused",

@@ -26,16 +26,23 @@ UnixMs milliseconds(std::chrono::seconds time) {
     return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
 }
 
-/// Refuses what the machine cannot hold, before anything is promised: `promised_bytes` are those
-/// that jobs which wait and run may still write.
-void check_size(const JobSize& size, uint64_t promised_bytes, const DataFolder& data) {
-    const uint64_t memory_bytes = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                                  static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
-    if (size.unit_bytes > memory_bytes) {
-        throw SpecError(SpecError::Kind::kUnacceptable, "/face_size_px",
-                        "the largest cubemap takes " + std::to_string(size.unit_bytes) +
-                            " bytes of memory, of which there are " + std::to_string(memory_bytes));
-    }
+uint64_t memory_of_machine_bytes() {
+    return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+           static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// Refuses a job whose cubemaps would not fit into memory, as many as are rendered at once.
+void check_memory(const JobSize& size, uint64_t at_once, uint64_t memory_bytes) {
+    if (size.unit_bytes <= memory_bytes / at_once) return;
+    throw SpecError(SpecError::Kind::kUnacceptable, "/face_size_px",
+                    "the largest cubemap takes " + std::to_string(size.unit_bytes) +
+                        " bytes of memory, and " + std::to_string(at_once) +
+                        " are rendered at once; there are " + std::to_string(memory_bytes));
+}
+
+/// Refuses what the disk cannot hold, before anything is promised: `promised_bytes` are those that
+/// jobs which wait and run may still write.
+void check_disk(const JobSize& size, uint64_t promised_bytes, const DataFolder& data) {
     const uint64_t free_bytes = data.free_bytes();
     if (promised_bytes > free_bytes || size.output_bytes > free_bytes - promised_bytes) {
         throw ServiceBusy("disk-full", "the files may take " + std::to_string(size.output_bytes) +
@@ -89,6 +96,7 @@ void JobManager::load_jobs() {
         job->scene_sha256 = stored.scene_sha256;
         job->crashes = stored.crashes;
         job->bytes = stored.bytes;
+        job->most_bytes = stored.most_bytes;
         by_id_.emplace(seen.id, job);
         by_age_.emplace(seen.sequence, job);
         if (!is_terminal(seen.state)) queue_.push_back(job);
@@ -96,6 +104,7 @@ void JobManager::load_jobs() {
 }
 
 JobManager::Submitted JobManager::submit(const JobRequest& request) {
+    const JobSize size = size_of_job(request.spec);
     NewJob stored{.id = new_job_id(),
                   .tenant = request.tenant,
                   .scene = request.scene.name,
@@ -104,16 +113,20 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
                   .request_sha256 = request.sha256,
                   .idempotency_key = request.idempotency_key,
                   .units = unit_count(request.spec),
+                  .most_bytes = size.output_bytes,
                   .created = unix_ms_now()};
     const auto replay = [&](const tables::Inserted& known) -> Submitted {
         if (known.conflict) throw KeyReused();
         std::optional<JobSnapshot> job = find(*known.replay_of);
+        if (!job && store_.tenant_of_expired(*known.replay_of)) throw JobExpired();
         if (!job) throw ServiceBusy("draining", "the job of that key is being removed");
         return {std::move(*job), true};
     };
     // A job that was accepted is told again, however full the queue is by now.
     if (const auto known = store_.find_key(stored)) return replay(*known);
-    const JobSize size = size_of_job(request.spec);
+    check_memory(size,
+                 std::clamp<uint64_t>(stored.units, 1, static_cast<uint64_t>(pool_.threads())),
+                 options_.memory_bytes > 0 ? options_.memory_bytes : memory_of_machine_bytes());
     {
         const std::lock_guard lock(mutex_);
         if (draining_) throw ServiceBusy("draining", "the service is shutting down");
@@ -130,7 +143,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
                                            " jobs that wait or run");
         }
         if (!store_.has_room()) throw ServiceBusy("disk-full", "the disk is full");
-        check_size(size, promised_bytes(), store_.data());
+        check_disk(size, promised(), store_.data());
         ++submitting_;
         submitting_bytes_ += size.output_bytes;
     }
@@ -169,6 +182,11 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
 }
 
 uint64_t JobManager::promised_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return promised();
+}
+
+uint64_t JobManager::promised() const {
     uint64_t bytes = submitting_bytes_;
     const auto add = [&](const JobPtr& job) {
         if (job->most_bytes > job->bytes) bytes += job->most_bytes - job->bytes;
@@ -320,7 +338,7 @@ Expired JobManager::expire(bool remove_them) {
         }
     }
     if (remove_them) {
-        for (const JobPtr& job : gone) store_.remove(job->seen.sequence);
+        for (const JobPtr& job : gone) store_.expire(job->seen.sequence);
     }
     return expired;
 }

@@ -52,6 +52,9 @@ class ServiceBusy : public std::runtime_error {
 /// Thrown for an idempotency key that came with another request before.
 class KeyReused : public std::exception {};
 
+/// Thrown for an idempotency key whose job was removed by retention.
+class JobExpired : public std::exception {};
+
 /// What jobs need of the scenes.
 struct SceneSource {
     /// No value where there is none of that name. Throws what SceneLibrary::find throws.
@@ -92,6 +95,8 @@ class JobManager {
         size_t keep_jobs = 100;
         uint64_t keep_bytes = uint64_t{16} << 30;
         std::chrono::seconds keep_time = std::chrono::hours(24 * 30);
+        /// That the cubemaps which are rendered at once may take; 0: what the machine has.
+        uint64_t memory_bytes = 0;
         /// How long an idempotency key is known.
         std::chrono::seconds key_time = std::chrono::hours(24);
         /// Told of every change of state, one call at a time; `cause` is the text of an exception
@@ -114,8 +119,8 @@ class JobManager {
     JobManager(const JobManager&) = delete;
     JobManager& operator=(const JobManager&) = delete;
 
-    /// Durable when it returns. Throws ServiceBusy, KeyReused, and IoError where the scene cannot
-    /// be read.
+    /// Durable when it returns. Throws ServiceBusy, KeyReused, JobExpired, and IoError where the
+    /// scene cannot be read.
     Submitted submit(const JobRequest& request);
     std::optional<JobSnapshot> find(const std::string& id) const;
     /// Newest first.
@@ -142,6 +147,8 @@ class JobManager {
     bool draining() const;
     const Options& options() const { return options_; }
     std::map<JobState, size_t> counts() const;
+    /// That jobs which wait or run may still write.
+    uint64_t promised_bytes() const;
 
   private:
     struct Job {
@@ -149,7 +156,7 @@ class JobManager {
         std::string scene_sha256;
         int64_t crashes = 0;
         uint64_t bytes = 0;       // of its files so far
-        uint64_t most_bytes = 0;  // that they may take; 0 for jobs of an earlier run
+        uint64_t most_bytes = 0;  // that they may take
         bool running = false;     // on one of the threads
         bool preparing = false;   // loading, lighting, pilot
         CancelToken cancel;
@@ -183,7 +190,7 @@ class JobManager {
     void end(const JobPtr& job, const Outcome& outcome);
     // With mutex_ held:
     bool clock_is_steady() const;
-    uint64_t promised_bytes() const;
+    uint64_t promised() const;
     JobPtr next_job() const;
     JobSnapshot snapshot(const Job& job) const;
     void enter(Job& job, JobState state, const std::string& cause = {});

@@ -101,6 +101,8 @@ uint64_t DataFolder::free_bytes() const {
     return uint64_t{info.f_bavail} * info.f_frsize;
 }
 
+bool DataFolder::is_writable() const { return ::access(database().c_str(), W_OK) == 0; }
+
 bool DataFolder::drop_ballast() const { return ::unlink((folder_ / "ballast").c_str()) == 0; }
 
 bool DataFolder::restore_ballast() const {

@@ -37,6 +37,9 @@ class DataFolder {
 
     /// Bytes that may still be written.
     uint64_t free_bytes() const;
+    /// Whether the database is there and may be written: not where the file system became read-only
+    /// or the folder was taken away.
+    bool is_writable() const;
     /// Gives the ballast up; false where it was gone already.
     bool drop_ballast() const;
     /// Makes it again, if it is gone and there is twice the room. True when it is there.

@@ -203,11 +203,25 @@ bool JobStore::end(int64_t job, JobEnd end, const std::vector<WrittenFile>& writ
     }
 }
 
-void JobStore::remove(int64_t job) {
+void JobStore::drop(const std::function<std::set<std::string>(Database&)>& remove) {
     std::set<std::string> digests;
-    call(Kind::kWrite, [&](Database& db) { digests = tables::delete_job(db, job); });
+    call(Kind::kWrite, [&](Database& db) { digests = remove(db); });
     const std::lock_guard lock(mutex_);
     garbage_.merge(digests);
+}
+
+void JobStore::remove(int64_t job) {
+    drop([&](Database& db) { return tables::delete_job(db, job); });
+}
+
+void JobStore::expire(int64_t job) {
+    drop([&](Database& db) { return tables::expire_job(db, job); });
+}
+
+std::optional<std::string> JobStore::tenant_of_expired(const std::string& id) {
+    std::optional<std::string> tenant;
+    call(Kind::kRead, [&](Database& db) { tenant = tables::tenant_of_expired(db, id); });
+    return tenant;
 }
 
 void JobStore::forget_keys(UnixMs created_before) {

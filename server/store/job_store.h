@@ -87,6 +87,9 @@ class JobStore {
              const std::function<bool()>& give_up);
     /// Of a terminal job. Its files go soon after.
     void remove(int64_t job);
+    /// The same, by retention: tenant_of_expired knows it.
+    void expire(int64_t job);
+    std::optional<std::string> tenant_of_expired(const std::string& id);
     void forget_keys(UnixMs created_before);
 
     std::vector<StoredUnit> published(int64_t job, uint64_t first, size_t count);
@@ -118,6 +121,7 @@ class JobStore {
 
     std::shared_ptr<const OpenFile> open_checked(const StoredFile& file) const;
     void call(Kind kind, const std::function<void(Database&)>& run);
+    void drop(const std::function<std::set<std::string>(Database&)>& remove);
     void serve(const std::stop_token& stop);
     void commit(const std::vector<Work*>& batch);
     void try_commit(const std::vector<Work*>& batch);

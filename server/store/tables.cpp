@@ -42,7 +42,7 @@ constexpr const char* kConnection =
     "PRAGMA cache_size = -65536;";
 
 /// migrations[i] makes version i + 1 of version i. A released one is never changed.
-constexpr std::array<const char*, 1> kMigrations = {
+constexpr std::array<const char*, 2> kMigrations = {
     "CREATE TABLE jobs ("
     "  sequence INTEGER PRIMARY KEY AUTOINCREMENT,"
     "  id TEXT NOT NULL UNIQUE,"
@@ -89,7 +89,18 @@ constexpr std::array<const char*, 1> kMigrations = {
     "  sha256 TEXT NOT NULL,"
     "  PRIMARY KEY (job, unit, name)"
     ") STRICT, WITHOUT ROWID;"
-    "CREATE INDEX files_by_digest ON files (sha256);"};
+    "CREATE INDEX files_by_digest ON files (sha256);",
+    "ALTER TABLE jobs ADD COLUMN most_bytes INTEGER NOT NULL DEFAULT 0;"
+    "CREATE TABLE expired ("
+    "  sequence INTEGER PRIMARY KEY,"
+    "  id TEXT NOT NULL UNIQUE,"
+    "  tenant TEXT NOT NULL,"
+    "  request_sha256 TEXT NOT NULL,"
+    "  idempotency_key TEXT,"
+    "  created INTEGER NOT NULL"
+    ") STRICT;"
+    "CREATE INDEX expired_by_key ON expired (tenant, idempotency_key)"
+    "  WHERE idempotency_key IS NOT NULL;"};
 
 void check(Database& db) {
     std::string problem;
@@ -133,9 +144,10 @@ StoredJob read_job(const Row& row) {
             .units_done = static_cast<uint64_t>(row.integer(10)),
             .seconds = row.real(11),
             .bytes = static_cast<uint64_t>(row.integer(12)),
-            .crashes = row.integer(13),
-            .failure = text(14),
-            .warnings = text(15)};
+            .most_bytes = static_cast<uint64_t>(row.integer(13)),
+            .crashes = row.integer(14),
+            .failure = text(15),
+            .warnings = text(16)};
 }
 
 StoredFile read_file(const Row& row) {
@@ -193,7 +205,8 @@ std::vector<StoredJob> jobs(Database& db) {
     std::vector<StoredJob> found;
     db.query(
         "SELECT sequence, id, tenant, scene, scene_sha256, state, created, started, ended, units,"
-        " units_done, seconds, bytes, crashes, failure, warnings FROM jobs ORDER BY sequence",
+        " units_done, seconds, bytes, most_bytes, crashes, failure, warnings FROM jobs ORDER BY "
+        "sequence",
         [&](const Row& row) { found.push_back(read_job(row)); });
     return found;
 }
@@ -201,12 +214,16 @@ std::vector<StoredJob> jobs(Database& db) {
 std::optional<Inserted> find_key(Database& db, const NewJob& job) {
     std::optional<Inserted> found;
     if (!job.idempotency_key) return found;
+    const auto take = [&](const Row& row) {
+        found = Inserted{row.integer(0), row.text(1), row.text(2) != job.request_sha256};
+    };
     db.query(
         "SELECT sequence, id, request_sha256 FROM jobs WHERE tenant = ? AND idempotency_key = ?",
-        [&](const Row& row) {
-            found = Inserted{row.integer(0), row.text(1), row.text(2) != job.request_sha256};
-        },
-        job.tenant, *job.idempotency_key);
+        take, job.tenant, *job.idempotency_key);
+    if (found) return found;
+    db.query(
+        "SELECT sequence, id, request_sha256 FROM expired WHERE tenant = ? AND idempotency_key = ?",
+        take, job.tenant, *job.idempotency_key);
     return found;
 }
 
@@ -214,15 +231,20 @@ Inserted insert_job(Database& db, const NewJob& job) {
     if (std::optional<Inserted> known = find_key(db, job)) return *known;
     db.run(
         "INSERT INTO jobs (id, tenant, state, scene, scene_sha256, request, request_sha256,"
-        " idempotency_key, created, units) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        " idempotency_key, created, units, most_bytes)"
+        " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         job.id, job.tenant, kQueued, job.scene, job.scene_sha256, job.request, job.request_sha256,
-        job.idempotency_key, job.created, job.units);
+        job.idempotency_key, job.created, job.units, job.most_bytes);
     return {db.last_row_id(), std::nullopt, false};
 }
 
 void forget_keys(Database& db, UnixMs created_before) {
     db.run(
         "UPDATE jobs SET idempotency_key = NULL WHERE idempotency_key IS NOT NULL AND created < ?",
+        created_before);
+    db.run(
+        "UPDATE expired SET idempotency_key = NULL"
+        " WHERE idempotency_key IS NOT NULL AND created < ?",
         created_before);
 }
 
@@ -366,6 +388,25 @@ std::set<std::string> delete_job(Database& db, int64_t job) {
         [&](const Row& row) { digests.insert(row.text(0)); }, job);
     db.run("DELETE FROM jobs WHERE sequence = ?", job);
     return digests;
+}
+
+std::set<std::string> expire_job(Database& db, int64_t job) {
+    constexpr int64_t kRemembered = 1'000'000;
+    db.run(
+        "INSERT INTO expired (sequence, id, tenant, request_sha256, idempotency_key, created)"
+        " SELECT sequence, id, tenant, request_sha256, idempotency_key, created FROM jobs"
+        " WHERE sequence = ?",
+        job);
+    db.run("DELETE FROM expired WHERE sequence < ? - ?", job, kRemembered);
+    return delete_job(db, job);
+}
+
+std::optional<std::string> tenant_of_expired(Database& db, const std::string& id) {
+    std::optional<std::string> tenant;
+    db.query(
+        "SELECT tenant FROM expired WHERE id = ?", [&](const Row& row) { tenant = row.text(0); },
+        id);
+    return tenant;
 }
 
 }  // namespace tables

@@ -4,6 +4,7 @@
 //   units   one row per work unit (probe × state) that was begun; those from `jobs.units` on are
 //           grids as wholes
 //   files   which files a unit (or, as unit −1, the job) has, by their digests
+//   expired whose the jobs were that retention removed, of the last million jobs, and their keys
 //
 // All functions run within a transaction or between two of them, on the thread that owns the
 // connection. Those that change a job's state say so only where the state allows it: what was
@@ -34,6 +35,7 @@ struct NewJob {
     std::string request_sha256;  // of what the client sent
     std::optional<std::string> idempotency_key;
     uint64_t units = 0;
+    uint64_t most_bytes = 0;  // that its files may take
     UnixMs created = 0;
 };
 
@@ -51,6 +53,7 @@ struct StoredJob {
     uint64_t units_done = 0;
     double seconds = 0.0;
     uint64_t bytes = 0;                   // of its files, each as at least one block of 4 KiB
+    uint64_t most_bytes = 0;              // that they may take; 0 in rows of version 1
     int64_t crashes = 0;                  // ends of the process while the job was between units
     std::optional<std::string> failure;   // JSON
     std::optional<std::string> warnings;  // JSON
@@ -118,7 +121,7 @@ std::vector<StoredJob> jobs(Database& db);
 
 struct Inserted {
     int64_t sequence = 0;
-    std::optional<std::string> replay_of;  // the id that this key was used for
+    std::optional<std::string> replay_of;  // the id that this key was used for, expired or not
     bool conflict = false;                 // with another request
 };
 Inserted insert_job(Database& db, const NewJob& job);
@@ -160,6 +163,10 @@ bool is_named(Database& db, const std::string& digest);
 
 /// Removes a terminal job; the digests that it named, which others may name, too.
 std::set<std::string> delete_job(Database& db, int64_t job);
+/// The same, and it is remembered that there was such a job.
+std::set<std::string> expire_job(Database& db, int64_t job);
+/// Whose the expired job was; no value where there was none.
+std::optional<std::string> tenant_of_expired(Database& db, const std::string& id);
 
 }  // namespace tables
 }  // namespace probebake

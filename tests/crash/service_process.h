@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <netinet/in.h>
 
 #include <filesystem>
 #include <fstream>
@@ -21,6 +20,7 @@
 #include "io/sha256.h"
 #include "server/net_jobs.h"
 #include "server/process.h"
+#include "server/raw_client.h"
 
 namespace probebake::test {
 
@@ -124,20 +124,6 @@ class ServiceProcess {
             ASSERT_TRUE(running()) << service_->err();
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
-    }
-
-    /// Free at this moment.
-    static int free_port() {
-        const int any = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        auto* const at = reinterpret_cast<sockaddr*>(&address);
-        socklen_t size = sizeof(address);
-        EXPECT_EQ(::bind(any, at, size), 0);
-        EXPECT_EQ(::getsockname(any, at, &size), 0);
-        ::close(any);
-        return ntohs(address.sin_port);
     }
 
     int start_proxy() {

@@ -4,14 +4,17 @@
 //   SHIM_ROOT         the folder (absolute); everything else passes untouched
 //   SHIM_LOG          file that takes every change of a file, for the power-cut model (disk_log.h)
 //   SHIM_ACK          file whose writes are in the log, too: what the program promised to anybody
-//   SHIM_FAIL         "enospc:N", "eio:N", "emfile:N": fail the N-th operation (enospc: and all
+//   SHIM_FAIL         "enospc:N", "eio:N", "emfile:N", "fsync:N": fail the N-th operation (enospc:
+//   and all
 //                     that follow and need room, but for 16 MiB once a file "ballast" is unlinked)
 //   SHIM_KILL         SIGKILL at a rename to a path that holds this text
+//   SHIM_FS_TYPE      what statfs says of the type of a file system below the folder (hexadecimal)
 //   SHIM_CLOCK        file with a number of seconds that is added to the wall clock
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <array>
@@ -84,6 +87,7 @@ struct Shim {
         if (fail_at < 0 || !below_root(path)) return 0;
         const bool opens = std::strcmp(kind, "open") == 0;
         if (fail == "emfile" ? !opens : opens && fail != "enospc") return 0;
+        if (fail == "fsync" && std::strcmp(kind, "sync") != 0) return 0;
         const long now = ++count;
         if (fail == "enospc") {
             if (now < fail_at || grows == 0) return 0;
@@ -94,7 +98,7 @@ struct Shim {
             return ENOSPC;
         }
         if (now != fail_at) return 0;
-        return fail == "eio" ? EIO : EMFILE;
+        return fail == "emfile" ? EMFILE : EIO;
     }
 };
 
@@ -242,6 +246,16 @@ int mkdir(const char* path, mode_t mode) noexcept {
     }
     const int result = static_cast<int>(::syscall(SYS_mkdir, path, mode));
     if (result == 0) s.record(DiskOp::kMakeFolder, path, "", 0, nullptr, 0);
+    return result;
+}
+
+int statfs(const char* path, struct statfs* info) noexcept {
+    static auto* const next = real<int(const char*, struct statfs*)>("statfs");
+    static const std::string type = variable("SHIM_FS_TYPE");
+    const int result = next(path, info);
+    if (result == 0 && !type.empty() && shim().below_root(path)) {
+        info->f_type = std::stol(type, nullptr, 16);
+    }
     return result;
 }
 

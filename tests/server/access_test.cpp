@@ -110,6 +110,29 @@ TEST_F(AccessTest, TenantsSeeTheirOwnJobsOnly) {
         EXPECT_EQ(service.get(open).status, 200) << open;
     }
     EXPECT_EQ(service.remove(bake, bearer(a)).status, 204);
+    EXPECT_EQ(service.get(bake, bearer(a)).status, 404);
+}
+
+TEST_F(AccessTest, AnExpiredBakeIsGoneForItsTenantAndUnknownToOthers) {
+    const std::string a = add("a", {"submit", "read"});
+    const std::string b = add("b", {"submit", "read"});
+    const RunningService service([&](ServiceOptions& options) {
+        options.tokens = file();
+        options.jobs.keep_jobs = 1;
+    });
+    std::string first;
+    for (int i = 0; i < 2; ++i) {
+        const httplib::Headers headers = {{"Authorization", "Bearer " + a}, {"Prefer", "wait=30"}};
+        const Answer done = service.post("/v1/bakes", headers, test::net_request(1));
+        ASSERT_EQ(done.status, 201) << done.body;
+        if (first.empty()) first = done.header("Location");
+    }
+    for (int i = 0; i < 1000 && service.get(first, bearer(a)).status != 410; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    EXPECT_EQ(service.get(first, bearer(a)).status, 410);
+    EXPECT_EQ(service.get(first, bearer(b)).status, 404);
+    EXPECT_EQ(service.get(first).status, 401);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The way of a job over HTTP, from its acceptance to its files.
 #include <gtest/gtest.h>
 
+#include "bake/job_size.h"
 #include "image/exr.h"
 #include "io/sha256.h"
 #include "jobs/job.h"
@@ -270,7 +271,35 @@ TEST(Api, AFullQueueAndADrainingServiceRefuse) {
     EXPECT_EQ(draining.status, 503);
     EXPECT_EQ(draining.json().at("type"), "urn:probebake:draining");
     EXPECT_FALSE(draining.header("Retry-After").empty());
+    const Answer ready = service.get("/readyz");
+    EXPECT_EQ(ready.status, 503);
+    EXPECT_EQ(ready.json().at("draining"), true);
     EXPECT_EQ(service.state(running), "RUNNING") << "status is served during the grace";
+}
+
+TEST(Api, ATenantsShareIsBounded) {
+    RunningService service([](ServiceOptions& options) {
+        options.jobs.max_running = 1;
+        options.jobs.max_per_tenant = 2;
+    });
+    for (int i = 0; i < 2; ++i) service.submit(test::costly_request(5000, 8));
+    const Answer refused = service.post("/v1/bakes", test::net_request(1));
+    EXPECT_EQ(refused.status, 429);
+    EXPECT_EQ(refused.json().at("type"), "urn:probebake:quota");
+    EXPECT_FALSE(refused.header("Retry-After").empty());
+}
+
+TEST(Api, WhatTheMemoryCannotHoldIsRefused) {
+    const uint64_t unit_bytes = size_of_job(read_job(test::net_request(1, 64))).unit_bytes;
+    RunningService service([&](ServiceOptions& options) {
+        options.threads = 2;
+        options.jobs.memory_bytes = 2 * unit_bytes - 1;
+    });
+    service.bake(test::net_request(1, 64));
+    const Answer refused = service.post("/v1/bakes", test::net_request(2, 64));
+    EXPECT_EQ(refused.status, 422) << "two at once do not fit";
+    EXPECT_EQ(refused.json().at("errors").at(0).at("pointer"), "/face_size_px");
+    EXPECT_EQ(service.get("/v1/bakes").json().at("bakes").size(), 1U);
 }
 
 TEST(Api, ListsInStablePages) {
@@ -312,6 +341,8 @@ TEST(Api, CheckShowsThePlanAndKeepsNothing) {
 TEST(Api, TellsAboutItself) {
     RunningService service;
     EXPECT_EQ(service.get("/healthz").json().at("status"), "ok");
+    EXPECT_EQ(service.get("/").json().at("version"), PROBEBAKE_VERSION);
+    EXPECT_EQ(service.get("/").json().at("paths").size(), Api::route_names().size());
     EXPECT_EQ(service.get("/v1/version").json().at("version"), PROBEBAKE_VERSION);
     const Json limits = service.get("/v1/limits").json();
     EXPECT_EQ(limits.at("probes"), 65536);
@@ -323,25 +354,34 @@ TEST(Api, TellsAboutItself) {
     EXPECT_TRUE(scenes[0].contains("error"));
     EXPECT_EQ(scenes[1].at("name"), "net");
     EXPECT_EQ(scenes[1].at("voxel_size_m"), 0.25);
-    for (const char* path : {"/healthz", "/v1/version", "/v1/limits", "/v1/scenes"}) {
+    for (const char* path : {"/", "/healthz", "/v1/version", "/v1/limits", "/v1/scenes"}) {
         EXPECT_EQ(service.get(path + std::string("?x=1")).status, 400) << path;
         EXPECT_EQ(service.client().Head(path)->status, 200) << path;
     }
 }
 
-TEST(Api, ForgottenJobsAreUnknown) {
+TEST(Api, JobsThatRetentionRemovedAreGone) {
     RunningService service([](ServiceOptions& options) { options.jobs.keep_jobs = 1; });
-    const std::string first = service.bake(test::net_request(1));
+    const httplib::Headers once = {{"Idempotency-Key", "once"}, {"Prefer", "wait=30"}};
+    const std::string first = service.post("/v1/bakes", once, test::net_request(1)).json().at("id");
     service.bake(test::net_request(1));
-    for (int i = 0; i < 200 && service.get("/v1/bakes/" + first).status != 404; ++i) {
+    for (int i = 0; i < 200 && service.get("/v1/bakes/" + first).status != 410; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    for (const char* rest : {"", "/report", "/probes", "/probes/p0/albedo/cube.exr"}) {
-        const Answer gone = service.get("/v1/bakes/" + first + rest);
-        EXPECT_EQ(gone.status, 404) << rest;
-        EXPECT_EQ(gone.json().at("type"), "urn:probebake:unknown-bake");
+    for (const bool restarted : {false, true}) {
+        if (restarted) service.restart();
+        for (const char* rest :
+             {"", "/events", "/report", "/archive.tar", "/probes", "/probes/p0/albedo/cube.exr"}) {
+            const Answer gone = service.get("/v1/bakes/" + first + rest);
+            EXPECT_EQ(gone.status, 410) << rest;
+            EXPECT_EQ(gone.json().at("type"), "urn:probebake:expired");
+        }
+        EXPECT_EQ(service.post("/v1/bakes/" + first + ":cancel").status, 410);
+        EXPECT_EQ(service.remove("/v1/bakes/" + first).status, 410);
+        const Answer again = service.post("/v1/bakes", once, test::net_request(1));
+        EXPECT_EQ(again.status, 410) << "not baked once more";
     }
-    EXPECT_EQ(service.post("/v1/bakes/" + first + ":cancel").status, 404);
+    EXPECT_EQ(service.get("/v1/bakes/b-0").status, 404);
 }
 
 }  // namespace

@@ -46,9 +46,19 @@ TEST(ApiWaiting, ASubmissionMayWaitForItsEnd) {
     EXPECT_EQ(done.json().at("state"), "SUCCEEDED");
     const double seconds = test::seconds_of([&] {
         const Answer slow =
-            service.post("/v1/bakes", {{"Prefer", "wait=1"}}, test::costly_request(5000, 8));
+            service.post("/v1/bakes", {{"Prefer", "wait=1"}}, test::costly_request(200, 64));
         EXPECT_EQ(slow.status, 202);
     });
+    EXPECT_EQ(
+        service.post("/v1/bakes", {{"Prefer", "respond-async, wait=30"}}, test::net_request(1))
+            .status,
+        201);
+    for (const char* none :
+         {"wait", "wait=", "wait=-1", "wait=1.5", "await=30", "x,,=", "wait=x,"}) {
+        EXPECT_EQ(
+            service.post("/v1/bakes", {{"Prefer", none}}, test::costly_request(500, 8)).status, 202)
+            << none;
+    }
     EXPECT_GE(seconds, 1.0);
     EXPECT_LT(seconds, 5.0);
 }
@@ -99,6 +109,26 @@ TEST(ApiWaiting, EventsEndWithTheJobAndGoOnWhereTheyBrokeOff) {
     EXPECT_NE(missed.body.find("event: end"), std::string::npos);
 }
 
+TEST(ApiWaiting, EventsThatHaveNothingToSayHaveAComment) {
+    RunningService service([](ServiceOptions& options) {
+        options.jobs.max_running = 1;
+        options.comment_interval = std::chrono::milliseconds(200);
+    });
+    const std::string running = service.submit(test::costly_request(5000, 8));
+    const std::string id = service.submit(test::net_request(1));
+    std::jthread end([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        service.post(path_of(id) + ":cancel");
+    });
+    const std::string body = service.get(path_of(id) + "/events").body;
+    size_t comments = 0;
+    for (size_t at = 0; (at = body.find("\n: ", at)) != std::string::npos; ++at) ++comments;
+    EXPECT_GE(comments, 2U) << body;
+    EXPECT_LE(comments, 8U) << body;
+    EXPECT_NE(body.find("event: end"), std::string::npos);
+    service.post(path_of(running) + ":cancel");
+}
+
 TEST(ApiWaiting, WaitersLeaveHalfOfTheThreadsAlone) {
     RunningService service([](ServiceOptions& options) { options.http.pool.workers = 4; });
     const std::string id = service.submit(test::costly_request(5000, 16));
@@ -136,13 +166,19 @@ TEST(Ranges, AreReadAsRfc9110HasThem) {
     }
 }
 
+TEST(ApiFiles, DigestsAreThoseOfRfc9530) {
+    // Of "hello" and a line feed, as openssl and base64 have it.
+    EXPECT_EQ(repr_digest(sha256_hex(std::as_bytes(std::span("hello\n", 6)))),
+              "sha-256=:WJG1tSLV3whtD/CxEPvZ0hu0/HFjrzTQgoai6Eb2vgM=:");
+}
+
 TEST(ApiFiles, APartOfAFileIsAnswered) {
     RunningService service;
     const std::string id = service.bake(test::net_request(1));
     const std::string file = path_of(id) + "/probes/p0/albedo/cube.exr";
     const Answer whole = service.get(file);
-    EXPECT_EQ(whole.header("Repr-Digest").rfind("sha-256=:", 0), 0U);
-    EXPECT_EQ(whole.header("Repr-Digest").size(), 9 + 44 + 1U);
+    EXPECT_EQ(whole.header("Repr-Digest"),
+              repr_digest(sha256_hex(std::as_bytes(std::span(whole.body)))));
     const Answer part = service.get(file, {{"Range", "bytes=10-19"}});
     EXPECT_EQ(part.status, 206);
     EXPECT_EQ(part.body, whole.body.substr(10, 10));
@@ -202,7 +238,7 @@ TEST(ApiRetention, AFinishedJobCanBeDeleted) {
 
 TEST(ApiAbout, MetricsAndReadiness) {
     RunningService service;
-    service.bake(test::net_request(2));
+    const std::string id = service.bake(test::net_request(2));
     const Answer metrics = service.get("/metrics");
     ASSERT_EQ(metrics.status, 200);
     for (const char* line :
@@ -211,10 +247,27 @@ TEST(ApiAbout, MetricsAndReadiness) {
           "probebake_jobs_ended_total{state=\"SUCCEEDED\"} 1",
           "probebake_media_collisions_total{kind=\"null\"} 0", "probebake_path_faults_total 0",
           "probebake_error_over_target_count{metric=\"psnr_db\"} 1",
-          "probebake_store_commits_total", "probebake_disk_free_bytes"}) {
+          "probebake_http_request_seconds_bucket", "probebake_job_queue_seconds_count 1",
+          "probebake_job_seconds_count 1", "probebake_jobs{state=\"QUEUED\"} 0",
+          "probebake_store_commits_total", "probebake_store_commit_seconds_total",
+          "probebake_recovered_units_total 0", "probebake_poisoned_units_total 0",
+          "probebake_promised_bytes 0", "probebake_disk_free_bytes"}) {
         EXPECT_NE(metrics.body.find(line), std::string::npos) << line << "\n" << metrics.body;
     }
+    const auto value = [&](const std::string& name) {
+        const size_t at = metrics.body.find("\n" + name + " ");
+        return at == std::string::npos ? -1.0
+                                       : std::stod(metrics.body.substr(at + name.size() + 2));
+    };
+    const Json totals = service.get(path_of(id) + "/report").json().at("totals");
+    EXPECT_EQ(value("probebake_artifact_bytes_total"), totals.at("bytes"));
+    EXPECT_GT(value("probebake_rays_total"), 2 * 6 * 7 * 7);
+    EXPECT_GT(value("probebake_octree_steps_total"), value("probebake_rays_total"));
     EXPECT_EQ(service.get("/readyz").json().at("ready"), true);
+    std::filesystem::rename(service.options().data / "probebake.sqlite",
+                            service.options().data / "elsewhere");
+    EXPECT_EQ(service.get("/readyz").status, 503) << "the database is gone";
+    EXPECT_EQ(service.get("/readyz").json().at("database_writable"), false);
     RunningService full(
         [](ServiceOptions& options) { options.store.min_free_bytes = ~uint64_t{0}; });
     EXPECT_EQ(full.get("/readyz").status, 503);

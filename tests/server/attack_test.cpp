@@ -12,7 +12,6 @@
 namespace probebake {
 namespace {
 
-using test::exchange;
 using test::RawClient;
 using test::RunningService;
 using test::status_of;
@@ -24,6 +23,21 @@ constexpr const char* kJson = "Content-Type: application/json\r\n";
 std::string request(const std::string& line, const std::string& headers = {},
                     const std::string& body = {}) {
     return line + " HTTP/1.1\r\n" + kHost + headers + "\r\n" + body;
+}
+
+/// What comes back for these bytes; a refusal is one as openapi.json describes them.
+std::string exchange(int port, std::string_view bytes) {
+    static const test::OpenApiCheck api;
+    std::string answer = test::exchange(port, bytes);
+    const size_t blank = answer.find("\r\n\r\n");
+    if (status_of(answer) >= 400 && blank + 4 < answer.size()) {
+        EXPECT_LT(answer.find("Content-Type: application/problem+json"), blank) << answer;
+        const Json body = parse_json(answer.substr(blank + 4));
+        for (const std::string& problem : api.schema_problems("Problem", body)) {
+            ADD_FAILURE() << problem << " in " << answer;
+        }
+    }
+    return answer;
 }
 
 uint64_t resident_bytes() {

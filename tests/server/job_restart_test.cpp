@@ -1,6 +1,7 @@
 // What jobs keep when the service ends and starts again, and what is shared between tenants.
 #include <algorithm>
 
+#include "bake/job_size.h"
 #include "job_fixture.h"
 
 namespace probebake {
@@ -145,6 +146,24 @@ TEST_F(JobRestartTest, APictureOfASkyIsPinnedToo) {
     EXPECT_EQ(wait_until_ended(id).failure->code, "scene_changed");
 }
 
+TEST_F(JobRestartTest, WhatAJobMayWriteStaysPromisedThroughARestart) {
+    gated_ = true;
+    start({.max_running = 1});
+    const Json request = test::net_request(3, 64);
+    const std::string running = submit(request);
+    const std::string queued = submit(test::net_request(5, 32));
+    wait_for_waiting(1);
+    const uint64_t promised = manager_->promised_bytes();
+    EXPECT_EQ(promised, size_of_job(read_job(request)).output_bytes +
+                            size_of_job(read_job(test::net_request(5, 32))).output_bytes);
+    restart({.max_running = 1});
+    EXPECT_EQ(manager_->promised_bytes(), promised);
+    gate_.open();
+    wait_until_ended(running);
+    wait_until_ended(queued);
+    EXPECT_EQ(manager_->promised_bytes(), 0U);
+}
+
 TEST_F(JobRestartTest, AKeyStandsForOneJob) {
     start();
     JobRequest request{.spec = read_job(test::net_request(1)), .scene = file_};
@@ -243,6 +262,8 @@ TEST_F(JobRestartTest, AUnitThatFailsLeavesTheOthersRunning) {
         store_.reset();
         store_.emplace(folder_.path() / "data", JobStore::Options{});
     }
+    EXPECT_EQ(store_->recovered().units, 1);
+    EXPECT_EQ(store_->recovered().poison, 1);
     gated_ = false;
     start();
     const JobSnapshot job = wait_until_ended(poisoned);

@@ -81,6 +81,20 @@ class RawClient {
     bool connected_ = false;
 };
 
+/// A port of 127.0.0.1 that is free at this moment.
+inline int free_port() {
+    const int any = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    auto* const at = reinterpret_cast<sockaddr*>(&address);
+    socklen_t size = sizeof(address);
+    EXPECT_EQ(::bind(any, at, size), 0);
+    EXPECT_EQ(::getsockname(any, at, &size), 0);
+    ::close(any);
+    return ntohs(address.sin_port);
+}
+
 /// What comes back for these bytes.
 inline std::string exchange(int port, std::string_view bytes) {
     RawClient client(port);

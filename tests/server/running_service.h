@@ -56,11 +56,14 @@ class RunningService {
     }
     Answer post(const std::string& path, const std::string& body = {},
                 const char* type = "application/json") const {
-        return answer("POST", path,
-                      body.empty() ? client().Post(path) : client().Post(path, body, type));
+        return taken(path, body,
+                     answer("POST", path,
+                            body.empty() ? client().Post(path) : client().Post(path, body, type)));
     }
     Answer post(const std::string& path, const httplib::Headers& headers, const Json& body) const {
-        return answer("POST", path, client().Post(path, headers, body.dump(), "application/json"));
+        const std::string text = body.dump();
+        return taken(path, text,
+                     answer("POST", path, client().Post(path, headers, text, "application/json")));
     }
     Answer put(const std::string& path, const httplib::Headers& headers, const std::string& body,
                const char* type) const {
@@ -120,9 +123,15 @@ class RunningService {
             ADD_FAILURE() << "no answer: " << httplib::to_string(result.error());
             return {};
         }
+        std::set<std::string> headers;
+        for (const auto& [name, value] : result->headers) headers.insert(name);
         expect_described(method, path, result->status, result->get_header_value("Content-Type"),
-                         result->body);
+                         result->body, headers);
         return {result->status, result->body, result->headers};
+    }
+    static Answer taken(const std::string& path, const std::string& body, Answer answer) {
+        if (!body.empty() && answer.status < 300) expect_described_request("POST", path, body);
+        return answer;
     }
 
     TempFolder folder_;

@@ -2,14 +2,20 @@
 // told.
 #include "engine/scene_import.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
+#include <fstream>
+#include <random>
 #include <thread>
 
 #include "engine/scene_cache.h"
 #include "io/file.h"
 #include "running_service.h"
+#include "scene/gltf_writer.h"
+#include "scene/vdb/vdb_file.h"
 #include "scene/vox_seeds.h"
 
 namespace probebake {
@@ -102,10 +108,75 @@ TEST_F(SceneImportTest, MemoryAndTimeAreLimited) {
               20.0);
 }
 
+TEST_F(SceneImportTest, FilesAreLimitedToo) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer's own report of the signal is another end";
+#endif
+    testing::GTEST_FLAG(death_test_style) = "threadsafe";
+    const std::string file = path("large").string();
+    const ImportLimits limits{.memory_bytes = uint64_t{256} << 20, .time = 60s};
+    EXPECT_EXIT(
+        {
+            limit_this_process(limits);
+            std::ofstream out(file);
+            const std::string megabyte(size_t{1} << 20, 'x');
+            for (int i = 0; i < 300; ++i) out << megabyte << std::flush;
+        },
+        testing::KilledBySignal(SIGXFSZ), "");
+    EXPECT_EXIT(
+        {
+            limit_this_process(limits);
+            for (int i = 0; i < 100; ++i) {
+                if (::open("/dev/null", O_RDONLY) < 0) std::_Exit(errno == EMFILE ? 7 : 8);
+            }
+        },
+        testing::ExitedWithCode(7), "");
+    EXPECT_EQ(refusal(scene(test::every_chunk().file()), process("kill -XFSZ $$")),
+              "model: its import wrote more than it may");
+}
+
 TEST_F(SceneImportTest, ItHasNoFileOfTheService) {
     const SceneFile file = scene(test::every_chunk().file());
     // Standard input, output and error, and the folder that is being listed.
     EXPECT_EQ(refusal(file, process("ls /proc/self/fd | wc -l >&2; exit 1")), "model: 4");
+}
+
+/// Every file is cut off at some places and has some bytes changed: what comes of it is a scene or
+/// a reason, never the end of this process, and no child is left.
+TEST_F(SceneImportTest, DamagedVdbAndGlbFilesEndWithAReason) {
+    test::write_text(path("box.json"), R"({"type": "gltf", "file": "box.glb", "resolution": 8})");
+    test::write_text(path("cloud.json"),
+                     R"({"type": "generator", "generator": "box", "size": 16, "media": [)"
+                     R"({"type": "vdb", "file": "cloud.vdb", "grid": "density",)"
+                     R"( "scattering_per_m": [1, 1, 1]}]})");
+    std::mt19937_64 random(3);
+    for (const auto& [name, whole] : std::vector<std::pair<std::string, std::string>>{
+             {"box.glb", test::gltf_triangle().binary()},
+             {"cloud.vdb", test::read_text(PROBEBAKE_SOURCE_DIR "/tests/server/cloud.vdb")}}) {
+        if (name == "cloud.vdb" && !reads_vdb()) continue;
+        const std::string json = name.substr(0, name.find('.')) + ".json";
+        const auto outcome = [&](const std::string& bytes) {
+            test::write_text(path(name), bytes);
+            return refusal(read_scene_file(path(json)), process());
+        };
+        EXPECT_EQ(outcome(whole), "") << name;
+        int refused = 0;
+        for (int i = 0; i < 24; ++i) {
+            std::string bytes = whole;
+            if (i % 3 == 0) {
+                bytes.resize(random() % bytes.size());
+            } else {
+                for (int k = 0; k < i; ++k) {
+                    bytes[random() % bytes.size()] = static_cast<char>(random());
+                }
+            }
+            const std::string reason = outcome(bytes);
+            refused += reason.empty() ? 0 : 1;
+            EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
+        }
+        EXPECT_GE(refused, 8) << name;
+    }
+    EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
 }
 
 TEST_F(SceneImportTest, ACancelledImportEndsAtOnce) {
@@ -163,6 +234,24 @@ TEST_F(SceneImportTest, LightIsKeptBetweenRunsAndChangesNothing) {
     EXPECT_EQ(reports[1].at("from_cache"), true);
     EXPECT_EQ(reports[0].at("sun_rays"), reports[1].at("sun_rays"));
     EXPECT_EQ(cubes[0], cubes[1]);
+}
+
+TEST_F(SceneImportTest, AJobWhoseSceneIsImportedIsCancelledWithinASecond) {
+    test::RunningService service(
+        [&](ServiceOptions& options) { options.cache.importer = process("exec sleep 60"); });
+    write_file_atomically(service.scenes() / "model.vox", test::every_chunk().file());
+    test::write_text(service.scenes() / "model.json",
+                     R"({"type": "vox", "file": "model.vox", "voxel_size_m": 0.5})");
+    Json request = test::net_request(1);
+    request["scene"] = "model";
+    const std::string id = service.submit(request);
+    service.wait(id, [](const Json& bake) { return bake["state"] == "RUNNING"; });
+    std::this_thread::sleep_for(200ms);  // the child has begun
+    EXPECT_LT(test::seconds_of([&] {
+                  EXPECT_EQ(service.post("/v1/bakes/" + id + ":cancel").status, 202);
+                  EXPECT_EQ(service.wait_until_ended(id).at("state"), "CANCELLED");
+              }),
+              1.0);
 }
 
 TEST_F(SceneImportTest, TheJobFailsWithTheReasonAndTheServiceGoesOn) {

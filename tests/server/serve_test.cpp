@@ -4,10 +4,13 @@
 #include <sys/un.h>
 
 #include <array>
+#include <map>
+#include <sstream>
 
 #include "io/json.h"
 #include "net_jobs.h"
 #include "process.h"
+#include "raw_client.h"
 
 namespace probebake {
 namespace {
@@ -260,8 +263,61 @@ TEST_F(ServeTest, DoesNotExposeItselfUnasked) {
     EXPECT_EQ(ran.code, 1);
     EXPECT_NE(ran.err.find("--expose"), std::string::npos);
     EXPECT_EQ(ran.err.find('\n'), ran.err.size() - 1) << "one line";
-    serve({"--host", "0.0.0.0", "--expose"});
-    EXPECT_EQ(client({"list"}).code, 0);
+    EXPECT_EQ(run(serve_args({"--host", "127.example.org"})).code, 1);
+    const Ran open = run(serve_args({"--host", "0.0.0.0", "--expose"}));
+    EXPECT_EQ(open.code, 1);
+    EXPECT_NE(open.err.find("--tokens"), std::string::npos) << open.err;
+    write_text(path("tokens.json"), R"({"tokens": []})");
+    serve({"--host", "0.0.0.0", "--expose", "--tokens", path("tokens.json")});
+    EXPECT_NE(client({"list"}).err.find("401"), std::string::npos);
+}
+
+TEST_F(ServeTest, EveryRequestIsOneLineOfJsonWithoutTokens) {
+    const Ran made = run({"token", "--tenant", "lab", "--scopes", "submit,read"});
+    const std::string token = made.out.substr(0, made.out.find('\n'));
+    const std::string entry = made.out.substr(made.out.find('\n') + 1);
+    write_text(path("tokens.json"), R"({"tokens": [)" + entry + "]}");
+    serve({"--tokens", path("tokens.json")});
+    const int port = std::stoi(url_.substr(url_.rfind(':') + 1));
+    const std::vector<std::string> heads = {
+        "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Real-IP: 6.6.6.6\r\n",
+        "GET /v1/bakes HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer " + token + "\r\n",
+        "GET /v1/bakes?token=" + token + " HTTP/1.1\r\nHost: localhost\r\n",
+        "GET /a\"b%0a{}\\x HTTP/1.1\r\nHost: localhost\r\n",
+        "GET /\x1b[31m\xff HTTP/1.1\r\nHost: localhost\r\n",
+        "G\"E\nT nonsense\r\n"};
+    std::vector<std::string> ids;
+    for (const std::string& head : heads) {
+        const std::string answer = test::exchange(port, head + "\r\n");
+        constexpr std::string_view kName = "X-Request-Id: ";
+        const size_t at = answer.find(kName);
+        ASSERT_NE(at, std::string::npos) << answer;
+        ids.push_back(answer.substr(at + kName.size(), answer.find('\r', at) - at - kName.size()));
+    }
+    service_->signal(SIGTERM);
+    ASSERT_EQ(service_->wait(), 0);
+    const std::string log = service_->err();
+    EXPECT_EQ(log.find(token), std::string::npos);
+    EXPECT_EQ(log.find('\x1b'), std::string::npos);
+    std::map<std::string, Json> requests;
+    std::istringstream lines(log);
+    for (std::string text; std::getline(lines, text);) {
+        const Json line = parse_json(text);
+        EXPECT_TRUE(line.contains("time") && line.contains("level")) << text;
+        if (line.at("event") == "request") requests.emplace(line.at("request_id"), line);
+    }
+    EXPECT_EQ(requests.size(), ids.size()) << log;
+    constexpr std::array<int, 6> kStatus = {200, 200, 401, 404, 400, 400};
+    for (size_t i = 0; i < ids.size(); ++i) {
+        ASSERT_TRUE(requests.contains(ids[i])) << heads[i];
+        const Json& line = requests[ids[i]];
+        EXPECT_EQ(line.at("status"), kStatus[i]) << line;
+        EXPECT_GE(line.at("seconds"), 0.0);
+        EXPECT_GT(line.at("bytes"), 0);
+        EXPECT_EQ(line.at("peer"), "127.0.0.1");
+    }
+    EXPECT_EQ(requests[ids[1]].at("path"), "/v1/bakes");
+    EXPECT_EQ(requests[ids[3]].at("path"), "/a\"b%0a{}\\x");
 }
 
 TEST_F(ServeTest, WarnsOfBrokenScenesAndStarts) {
@@ -275,9 +331,10 @@ TEST_F(ServeTest, ReadsItsOptionsFromAFile) {
     write_text(path("server.toml"),
                "port = 0\nmax-running = 2\nmax-queued = 7\nexpose = true\n"
                "host = \"0.0.0.0\"\nallow-host = [\"a.example\", \"b\"]\n");
-    serve({"--config", path("server.toml"), "--max-queued", "9"});
+    write_text(path("tokens.json"), R"({"tokens": []})");
+    serve({"--config", path("server.toml"), "--max-queued", "9", "--tokens", path("tokens.json")});
     EXPECT_EQ(service_->out().rfind("listening on http://0.0.0.0:", 0), 0U) << service_->out();
-    EXPECT_EQ(client({"list"}).code, 0);
+    EXPECT_NE(client({"list"}).err.find("401"), std::string::npos);
     write_text(path("server.toml"), "prot = 0\n");
     const Ran ran = run(serve_args({"--config", path("server.toml")}));
     EXPECT_EQ(ran.code, 2);

@@ -97,11 +97,27 @@ TEST_F(DataFolderTest, TheSchemaHasAVersionAndIsStrict) {
         ::sqlite3_finalize(statement);
         return value;
     };
-    EXPECT_EQ(number("PRAGMA user_version"), 1);
+    EXPECT_EQ(number("PRAGMA user_version"), 2);
     EXPECT_EQ(number("SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = "
                      "'table' AND name NOT LIKE 'sqlite%' AND strict = 0"),
               0);
     ::sqlite3_close(db);
+}
+
+TEST_F(DataFolderTest, ADatabaseOfAnEarlierVersionIsBroughtToThisOne) {
+    const int64_t job = running();
+    publish(job, 0, "abc");
+    store_.reset();
+    run_sql(data() / "probebake.sqlite",
+            "ALTER TABLE jobs DROP COLUMN most_bytes; DROP TABLE expired; PRAGMA user_version = 1");
+    open();
+    EXPECT_EQ(find(job).units_done, 1U);
+    EXPECT_EQ(find(job).most_bytes, 0U);
+    EXPECT_TRUE(store_->open_unit_file(job, "p0", "albedo", "cube.exr")->content);
+    const std::string id = find(job).id;
+    end(job);
+    store_->expire(job);
+    EXPECT_EQ(store_->tenant_of_expired(id), "local");
 }
 
 TEST_F(DataFolderTest, TheBallastIsGivenUpAndComesBack) {

@@ -23,6 +23,7 @@ TEST_F(JobStoreTest, WhatWasAcceptedIsThereAfterARestart) {
     EXPECT_EQ(found.state, JobState::kQueued);
     EXPECT_EQ(found.scene_sha256, job.scene_sha256);
     EXPECT_EQ(found.units, 3U);
+    EXPECT_EQ(found.most_bytes, 50'000U);
     EXPECT_EQ(store_->request_of(first), job.request);
     EXPECT_LT(second, insert()) << "numbers are not used twice";
 }
@@ -205,6 +206,46 @@ TEST_F(JobStoreTest, ADeletedJobTakesItsFilesWithIt) {
     EXPECT_EQ(text_of(*open->content), "mine") << "a download that began goes on";
     reopen();
     EXPECT_EQ(store_->jobs().size(), 1U);
+}
+
+TEST_F(JobStoreTest, AnExpiredJobIsRememberedADeletedOneIsNot) {
+    const int64_t expired = running();
+    const int64_t deleted = running();
+    publish(expired, 0, "mine");
+    const std::string expired_id = find(expired).id;
+    const std::string deleted_id = find(deleted).id;
+    end(expired);
+    end(deleted);
+    EXPECT_FALSE(store_->tenant_of_expired(expired_id));
+    store_->expire(expired);
+    store_->remove(deleted);
+    while (store_->tidy()) {
+    }
+    EXPECT_FALSE(fs::exists(path_of("mine")));
+    reopen();
+    EXPECT_TRUE(store_->jobs().empty());
+    EXPECT_EQ(store_->tenant_of_expired(expired_id), "local");
+    EXPECT_FALSE(store_->tenant_of_expired(deleted_id));
+}
+
+TEST_F(JobStoreTest, AKeyOutlivesItsExpiredJob) {
+    NewJob job = new_job();
+    job.idempotency_key = "k";
+    const int64_t sequence = store_->insert(job).sequence;
+    end(sequence, JobState::kCancelled);
+    store_->expire(sequence);
+    reopen();
+    NewJob again = job;
+    again.id = new_job_id();
+    EXPECT_EQ(store_->insert(again).replay_of, job.id);
+    again.request_sha256 = "other";
+    EXPECT_TRUE(store_->find_key(again)->conflict);
+    again.tenant = "another";
+    EXPECT_FALSE(store_->find_key(again));
+    EXPECT_TRUE(store_->jobs().empty());
+    store_->forget_keys(job.created + 1);
+    again.tenant = job.tenant;
+    EXPECT_FALSE(store_->insert(again).replay_of);
 }
 
 TEST_F(JobStoreTest, FilesThatNobodyNamesAreSweptAway) {

@@ -46,6 +46,7 @@ class StoreTest : public testing::Test {
                 .request_sha256 = digest_of("{}"),
                 .idempotency_key = {},
                 .units = 3,
+                .most_bytes = 50'000,
                 .created = 1};
     }
     int64_t insert() { return store_->insert(new_job()).sequence; }

@@ -58,8 +58,7 @@ ServiceOptions service_options(const ServeOptions& options) {
             " is reachable from other machines. There is no encryption, and idle connections can "
             "lock others out; without --tokens, whoever reaches the port can start and cancel "
             "bakes and fill the disk. Put the proxy of scripts/serve in front, or pass --expose "
-            "and "
-            "--tokens if the network is yours alone");
+            "and --tokens if the network is yours alone");
     }
     if (options.expose && !service.http.socket && !is_loopback(service.http.host) &&
         !service.tokens) {

@@ -78,7 +78,15 @@ TEST(ApiWaiting, AKeyMakesASubmissionOneJob) {
 
 TEST(ApiWaiting, ASubmissionMayWaitForItsEnd) {
     RunningService service;
-    const Answer done = service.post("/v1/bakes", {{"Prefer", "wait=30"}}, test::net_request(1));
+    Json quick = test::costly_request(1, 6);
+    quick["quality"]["settings"]["leaf_grid"] = 1;
+    Answer done;
+    for (int i = 0; i < 5 && done.status != 201; ++i) {
+        const double seconds = test::seconds_of([&] {
+            done = service.post("/v1/bakes", {{"Prefer", "wait=30"}}, quick);
+        });
+        EXPECT_TRUE(done.status == 201 || seconds >= 30.0) << "answered before either";
+    }
     EXPECT_EQ(done.status, 201);
     EXPECT_EQ(done.json().at("state"), "SUCCEEDED");
     Answer slow;

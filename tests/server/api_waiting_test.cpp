@@ -79,7 +79,7 @@ TEST(ApiWaiting, AKeyMakesASubmissionOneJob) {
 TEST(ApiWaiting, ASubmissionMayWaitForItsEnd) {
     RunningService service;
     Json quick = test::costly_request(1, 6);
-    quick["quality"]["settings"]["leaf_grid"] = 1;
+    quick["quality"]["settings"]["leaf_grid"] = 4;
     Answer done;
     for (int i = 0; i < 5 && done.status != 201; ++i) {
         const double seconds = test::seconds_of([&] {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <mutex>
 
 namespace probebake {
 namespace {
@@ -42,6 +43,8 @@ double seconds(UnixMs from, UnixMs to) {
 }
 
 void raise_to(prometheus::Counter& counter, double value) {
+    static std::mutex mutex;  // two scrapes at once would add the difference twice
+    const std::lock_guard lock(mutex);
     if (value > counter.Value()) counter.Increment(value - counter.Value());
 }
 

@@ -102,7 +102,7 @@ class JobManager {
         /// Told of every change of state, one call at a time; `cause` is the text of an exception
         /// that the client is not shown. Must not call the manager.
         std::function<void(const JobSnapshot&, const std::string& cause)> on_change;
-        /// Shown every report; the same rules.
+        /// Shown every report, on the thread of its job. Must not call the manager.
         std::function<void(const Json& report)> on_report;
         /// Told when damaged files were made again, or could not be: `cause` then says why.
         std::function<void(const std::string& id, size_t units, const std::string& cause)> on_mend;

@@ -13,6 +13,7 @@
 
 #include "promises.h"
 #include "server/process.h"
+#include "support/sanitized.h"
 
 namespace probebake::test {
 
@@ -20,14 +21,6 @@ namespace probebake::test {
 inline int form(const char* variable, int short_form) {
     const char* text = std::getenv(variable);
     return text == nullptr ? short_form : std::atoi(text);
-}
-
-constexpr bool sanitized() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    return true;  // the sanitizer's runtime wants to be loaded first
-#else
-    return false;
-#endif
 }
 
 /// The program under the shim with these settings of it.

@@ -9,14 +9,19 @@ namespace {
 using test::Process;
 using test::TempFolder;
 
-class FaultTest : public testing::TestWithParam<const char*> {};
+struct Fault {
+    const char* kind;
+    int operations;  // about as many as the workload has
+};
+
+class FaultTest : public testing::TestWithParam<Fault> {};
 
 TEST_P(FaultTest, NothingThatWasPromisedIsLost) {
     if (test::sanitized()) GTEST_SKIP() << "the shim and a sanitizer do not go together";
-    // Every n-th operation; 0: every one.
+    const std::string kind = GetParam().kind;
+    // So many of the operations; as many as there are, or more: every one.
     const int wanted = test::form("PROBEBAKE_FAULTS", 25);
-    constexpr int kOperations = 400;  // about as many as the workload has
-    const int step = std::max(1, kOperations / std::max(1, wanted));
+    const int step = std::max(1, GetParam().operations / std::max(1, wanted));
     int refused = 0;
     int ended = 0;
     int unharmed = 0;
@@ -27,10 +32,10 @@ TEST_P(FaultTest, NothingThatWasPromisedIsLost) {
         const TempFolder folder;
         const std::string data = (folder.path() / "data").string();
         const std::string ack = (folder.path() / "ack").string();
-        Process workload(folder.path() / "workload", {data, ack, "8"},
-                         test::shimmed(PROBEBAKE_WORKLOAD, {"SHIM_ROOT=" + data,
-                                                            std::string("SHIM_FAIL=") + GetParam() +
-                                                                ":" + std::to_string(n)}));
+        Process workload(
+            folder.path() / "workload", {data, ack, "8"},
+            test::shimmed(PROBEBAKE_WORKLOAD,
+                          {"SHIM_ROOT=" + data, "SHIM_FAIL=" + kind + ":" + std::to_string(n)}));
         const std::optional<int> code = workload.wait();
         ASSERT_TRUE(code == 0 || code == 3 || code == 74)
             << "step " << n << ": " << code.value_or(-2) << workload.err();
@@ -46,7 +51,7 @@ TEST_P(FaultTest, NothingThatWasPromisedIsLost) {
                   test::kKept)
             << "step " << n;
     }
-    std::cout << GetParam() << ": " << refused << " times refused with an error, " << ended
+    std::cout << kind << ": " << refused << " times refused with an error, " << ended
               << " times ended to recover, " << unharmed << " times unharmed\n";
     EXPECT_GT(refused + ended, 3);
 }
@@ -99,8 +104,10 @@ TEST(UnusableData, C5_NetworkFileSystemsAreRefused) {
     EXPECT_EQ(start_on("ef53").first, 0) << "ext4";
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, FaultTest, testing::Values("enospc", "eio", "emfile"),
-                         [](const auto& kind) { return std::string(kind.param); });
+INSTANTIATE_TEST_SUITE_P(Kinds, FaultTest,
+                         testing::Values(Fault{"enospc", 600}, Fault{"eio", 1000},
+                                         Fault{"emfile", 50}),
+                         [](const auto& fault) { return std::string(fault.param.kind); });
 
 }  // namespace
 }  // namespace probebake

@@ -72,7 +72,7 @@ class ServiceProcess {
     httplib::Client client() const {
         httplib::Client client("127.0.0.1", port_);
         client.set_connection_timeout(5);
-        client.set_read_timeout(30);
+        client.set_read_timeout(120);  // a sanitized service is slow
         return client;
     }
     /// Status and body; 0 where there was no answer.

@@ -4,9 +4,10 @@
 //   SHIM_ROOT         the folder (absolute); everything else passes untouched
 //   SHIM_LOG          file that takes every change of a file, for the power-cut model (disk_log.h)
 //   SHIM_ACK          file whose writes are in the log, too: what the program promised to anybody
-//   SHIM_FAIL         "enospc:N", "eio:N", "emfile:N", "fsync:N": fail the N-th operation (enospc:
-//   and all
-//                     that follow and need room, but for 16 MiB once a file "ballast" is unlinked)
+//   SHIM_FAIL         "eio:N": fail the N-th write, sync or rename; "fsync:N": the N-th sync;
+//                     "emfile:N": the N-th open; "enospc:N": the N-th of all of these and of folders
+//                     made, and all that follow and need room, but for 16 MiB once a file
+//                     "ballast" is unlinked
 //   SHIM_KILL         SIGKILL at a rename to a path that holds this text
 //   SHIM_FS_TYPE      what statfs says of the type of a file system below the folder (hexadecimal)
 //   SHIM_CLOCK        file with a number of seconds that is added to the wall clock
@@ -86,7 +87,9 @@ struct Shim {
     int failure(const char* kind, const std::string& path, long long grows) {
         if (fail_at < 0 || !below_root(path)) return 0;
         const bool opens = std::strcmp(kind, "open") == 0;
-        if (fail == "emfile" ? !opens : opens && fail != "enospc") return 0;
+        const bool makes_folder = std::strcmp(kind, "mkdir") == 0;
+        if (fail == "emfile" && !opens) return 0;
+        if (fail == "eio" && (opens || makes_folder)) return 0;
         if (fail == "fsync" && std::strcmp(kind, "sync") != 0) return 0;
         const long now = ++count;
         if (fail == "enospc") {
@@ -240,7 +243,7 @@ int unlink(const char* path) noexcept {
 int mkdir(const char* path, mode_t mode) noexcept {
     Shim& s = shim();
     const std::lock_guard lock(s.mutex);
-    if (const int error = s.failure("open", path, 4096)) {
+    if (const int error = s.failure("mkdir", path, 4096)) {
         errno = error;
         return -1;
     }

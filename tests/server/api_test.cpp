@@ -6,6 +6,7 @@
 #include "io/sha256.h"
 #include "jobs/job.h"
 #include "running_service.h"
+#include "support/sanitized.h"
 
 namespace probebake {
 namespace {
@@ -211,7 +212,7 @@ TEST(Api, CancelIsIdempotentAndKeepsFinishedProbes) {
         EXPECT_EQ(cancelled.json().at("state"), "CANCELLING");
         service.wait_until_ended(id);
     });
-    EXPECT_LT(seconds, 1.0);
+    EXPECT_LT(seconds, test::patient(1.0));
     const Answer again = service.post("/v1/bakes/" + id + ":cancel");
     EXPECT_EQ(again.status, 200);
     EXPECT_EQ(again.json().at("state"), "CANCELLED");
@@ -235,7 +236,7 @@ TEST(Api, AJobWhoseSceneLoadsIsCancelledWithinASecond) {
         EXPECT_EQ(service.post("/v1/bakes/" + id + ":cancel").status, 202);
         EXPECT_EQ(service.wait_until_ended(id).at("state"), "CANCELLED");
     });
-    EXPECT_LT(seconds, 1.0);
+    EXPECT_LT(seconds, test::patient(1.0));
 }
 
 TEST(Api, ASmallJobOvertakesALargeOne) {

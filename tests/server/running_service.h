@@ -76,7 +76,7 @@ class RunningService {
     const std::filesystem::path& scenes() const { return options_.scenes; }
     httplib::Client client() const {
         httplib::Client client(url());
-        client.set_read_timeout(30);
+        client.set_read_timeout(120);  // beyond the 30 s that a client may have the service wait
         return client;
     }
 

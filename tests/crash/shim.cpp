@@ -5,8 +5,8 @@
 //   SHIM_LOG          file that takes every change of a file, for the power-cut model (disk_log.h)
 //   SHIM_ACK          file whose writes are in the log, too: what the program promised to anybody
 //   SHIM_FAIL         "eio:N": fail the N-th write, sync or rename; "fsync:N": the N-th sync;
-//                     "emfile:N": the N-th open; "enospc:N": the N-th of all of these and of folders
-//                     made, and all that follow and need room, but for 16 MiB once a file
+//                     "emfile:N": the N-th open; "enospc:N": the N-th of all of these and of
+//                     folders made, and all that follow and need room, but for 16 MiB once a file
 //                     "ballast" is unlinked
 //   SHIM_KILL         SIGKILL at a rename to a path that holds this text
 //   SHIM_FS_TYPE      what statfs says of the type of a file system below the folder (hexadecimal)

@@ -17,6 +17,7 @@ inline constexpr std::array<std::string_view, 2> kAgainstNames = {"truth", "refe
 inline constexpr std::array<std::string_view, 6> kRendererNames = {
     "reference", "lod", "adaptive", "error_aware", "hybrid", "auto"};
 inline constexpr std::array<std::string_view, 2> kWeightingNames = {"uniform", "solid_angle"};
+inline constexpr std::array<std::string_view, 2> kOnBudgetExhaustedNames = {"return_best", "fail"};
 inline constexpr std::array<std::string_view, 2> kMissesNames = {"left_out", "black"};
 inline constexpr std::array<std::string_view, 7> kProductNames = {
     "cube", "aux", "latlong", "gl_faces", "sh", "specular", "ddgi"};

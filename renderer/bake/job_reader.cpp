@@ -29,6 +29,8 @@ class JobReader {
         read_products();
         read_quality();
         read_budget();
+        spec_.priority = static_cast<int>(
+            root_.integer("priority", -limits_.max_priority, limits_.max_priority, 0));
         root_.refuse_unknown();
         if (issues_.empty()) check_totals();
         if (issues_.empty() && spec_.products.ddgi) check_ddgi();
@@ -351,7 +353,13 @@ class JobReader {
         }
         spec_.budget.seconds =
             reader.optional_number("seconds", {.min = 0.0, .max = 1e7, .more_than_min = true});
+        if (reader.has("memory_bytes")) {
+            spec_.budget.memory_bytes =
+                reader.unsigned_integer("memory_bytes", limits_.max_memory_bytes, {});
+        }
         reader.refuse_unknown();
+        spec_.on_budget_exhausted = static_cast<OnBudgetExhausted>(
+            root_.choice("on_budget_exhausted", kOnBudgetExhaustedNames, 0));
     }
 
     /// What only the whole job shows.

@@ -179,6 +179,10 @@ Json write_job(const JobSpec& spec) {
     json["budget"] = Json::object();
     if (spec.budget.rays) json["budget"]["rays"] = *spec.budget.rays;
     if (spec.budget.seconds) json["budget"]["seconds"] = *spec.budget.seconds;
+    if (spec.budget.memory_bytes) json["budget"]["memory_bytes"] = *spec.budget.memory_bytes;
+    json["on_budget_exhausted"] =
+        kOnBudgetExhaustedNames[static_cast<size_t>(spec.on_budget_exhausted)];
+    json["priority"] = spec.priority;
     return json;
 }
 

@@ -104,7 +104,13 @@ struct ValiditySpec {
 struct BudgetSpec {
     std::optional<uint64_t> rays;   // rendered rays of the whole job
     std::optional<double> seconds;  // wall clock; makes the result depend on the machine
+    /// Of scene, light and one cubemap at work, as planned: jobs that take more are refused.
+    std::optional<uint64_t> memory_bytes;
 };
+
+/// What a job is in the end whose probes were kept from their targets by a budget of rays or
+/// seconds: done, with the best that could be had, or failed, with the same files.
+enum class OnBudgetExhausted { kReturnBest, kFail };
 
 /// The files of every probe and state; at least one.
 struct Products {
@@ -124,9 +130,11 @@ struct JobSpec {
     std::vector<ProbeGrid> grids;
     QualitySpec quality;
     BudgetSpec budget;
+    OnBudgetExhausted on_budget_exhausted = OnBudgetExhausted::kReturnBest;
     Products products;
     std::optional<ValiditySpec> validity;
     uint64_t seed = 1;
+    int priority = 0;  // among the waiting jobs of one client: higher ones first
 };
 
 /// What a job may ask for at most; checked before anything is allocated.
@@ -139,6 +147,8 @@ struct JobLimits {
     int max_audit_pixels = 65'536;            // per probe
     uint64_t max_states = 16;
     uint64_t max_rays = uint64_t{1} << 50;
+    uint64_t max_memory_bytes = uint64_t{1} << 50;
+    int max_priority = 100;     // and least, with a minus
     int max_atlas_px = 16'384;  // per side, of ddgi: what Direct3D 12 can load
 };
 

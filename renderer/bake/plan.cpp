@@ -96,6 +96,15 @@ uint64_t bytes_per_texel(const Products& products) {
     return bytes;
 }
 
+void check_memory(const JobSpec& job, const Plan& plan) {
+    if (!job.budget.memory_bytes) return;
+    const uint64_t bytes = plan.scene_bytes + plan.light_bytes + plan.bytes_per_unit;
+    if (bytes <= *job.budget.memory_bytes) return;
+    throw SpecError(SpecError::Kind::kUnacceptable, "/budget/memory_bytes",
+                    "scene, light and one cubemap at work take " + std::to_string(bytes) +
+                        " bytes, expected at most " + std::to_string(*job.budget.memory_bytes));
+}
+
 }  // namespace
 
 JobSize size_of_job(const JobSpec& job) {
@@ -152,6 +161,8 @@ Plan make_plan(const Scene& scene, const JobSpec& job) {
     plan.bytes_per_unit = size.unit_bytes;
     if (plan.media) plan.bytes_per_unit += size.unit_texels * kPathBytesPerTexel;
     plan.output_bytes = size.output_bytes;
+
+    check_memory(job, plan);
 
     if (scene.tree.empty()) plan.warnings.emplace_back("the scene holds no voxels");
     uint64_t inside = 0;

@@ -478,4 +478,16 @@ Json write_report(const BakeRecord& record) {
             {"provenance", provenance(record.threads)}};
 }
 
+std::optional<std::string> budget_failure(const JobSpec& job, const Json& report) {
+    if (job.on_budget_exhausted == OnBudgetExhausted::kReturnBest) return std::nullopt;
+    const std::string verdict(name_of(Verdict::kBudgetExhausted));
+    uint64_t count = 0;
+    for (const Json& state : report.at("states")) {
+        count += state.at("results").value(verdict, uint64_t{0});
+    }
+    if (count == 0) return std::nullopt;
+    return "the budget was used up before " + std::to_string(count) +
+           " cubemaps met their target; what it allowed is in the files";
+}
+
 }  // namespace probebake

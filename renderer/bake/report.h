@@ -66,4 +66,8 @@ Json write_scene(const Scene& scene);
 /// Version, compiler, kernels and machine: what the determinism of the bytes is promised for.
 Json provenance(int threads);
 
+/// What is wrong with a job that is to fail (JobSpec::on_budget_exhausted) where a budget kept
+/// cubemaps from their targets.
+std::optional<std::string> budget_failure(const JobSpec& job, const Json& report);
+
 }  // namespace probebake

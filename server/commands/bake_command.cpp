@@ -72,6 +72,10 @@ int bake(const BakeOptions& options) {
     } else {
         std::cout << report_text(report, rows) << "files in " << options.out.string() << '\n';
     }
+    if (const auto failure = budget_failure(job, report)) {
+        std::cerr << "probebake: " << *failure << '\n';
+        return 1;
+    }
     return 0;
 }
 

@@ -38,8 +38,8 @@ std::string pinned_sha256(const SceneFile& scene, const JobSpec& spec);
 
 /// Why a job failed, in words fit for its client.
 struct JobFailure {
-    std::string
-        code;  // "scene", "scene_changed", "units", "poison", "storage", "memory" or "internal"
+    /// "scene", "scene_changed", "units", "poison", "budget", "storage", "memory" or "internal".
+    std::string code;
     std::string detail;
     std::vector<SpecIssue> issues;
 };

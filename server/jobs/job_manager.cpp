@@ -97,6 +97,7 @@ void JobManager::load_jobs() {
         job->crashes = stored.crashes;
         job->bytes = stored.bytes;
         job->most_bytes = stored.most_bytes;
+        job->priority = stored.priority;
         by_id_.emplace(seen.id, job);
         by_age_.emplace(seen.sequence, job);
         if (!is_terminal(seen.state)) queue_.push_back(job);
@@ -170,6 +171,7 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
             job->seen.progress.units = stored.units;
             job->scene_sha256 = stored.scene_sha256;
             job->most_bytes = size.output_bytes;
+            job->priority = request.spec.priority;
             by_id_.emplace(stored.id, job);
             by_age_.emplace(inserted.sequence, job);
             queue_.push_back(job);
@@ -407,7 +409,10 @@ JobManager::JobPtr JobManager::next_job() const {
     JobPtr next;
     for (const JobPtr& job : queue_) {
         if (preparing && job->crashes > 0) continue;
-        if (!next || running[job->seen.tenant] < running[next->seen.tenant]) next = job;
+        if (!next || running[job->seen.tenant] < running[next->seen.tenant] ||
+            (job->seen.tenant == next->seen.tenant && job->priority > next->priority)) {
+            next = job;
+        }
     }
     return next;
 }

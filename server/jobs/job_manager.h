@@ -157,8 +157,9 @@ class JobManager {
         int64_t crashes = 0;
         uint64_t bytes = 0;       // of its files so far
         uint64_t most_bytes = 0;  // that they may take
-        bool running = false;     // on one of the threads
-        bool preparing = false;   // loading, lighting, pilot
+        int priority = 0;
+        bool running = false;    // on one of the threads
+        bool preparing = false;  // loading, lighting, pilot
         CancelToken cancel;
         CancelToken cancel_mending;
         bool stopped = false;  // by the end of the service, not by a client

@@ -3,6 +3,7 @@
 #include <new>
 #include <utility>
 
+#include "bake/report.h"
 #include "bake/result_record.h"
 #include "io/io_error.h"
 #include "io/sha256.h"
@@ -308,6 +309,11 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
     report_file.add_text(dump_json(report) + "\n");
     Outcome outcome{.state = JobState::kSucceeded,
                     .warnings = report.at("warnings").get<std::vector<std::string>>()};
+    if (const auto failure = budget_failure(spec, report)) {
+        outcome.state = JobState::kFailed;
+        outcome.cause = *failure;
+        outcome.failure = JobFailure{"budget", *failure, {}};
+    }
     outcome.files = {rows.finish(kRowFile), report_file.finish(kReportFile)};
     outcome.temporary = {rows.file(), report_file.file()};
     return outcome;

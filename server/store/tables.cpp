@@ -145,9 +145,10 @@ StoredJob read_job(const Row& row) {
             .seconds = row.real(11),
             .bytes = static_cast<uint64_t>(row.integer(12)),
             .most_bytes = static_cast<uint64_t>(row.integer(13)),
-            .crashes = row.integer(14),
-            .failure = text(15),
-            .warnings = text(16)};
+            .priority = static_cast<int>(row.integer(14)),
+            .crashes = row.integer(15),
+            .failure = text(16),
+            .warnings = text(17)};
 }
 
 StoredFile read_file(const Row& row) {
@@ -205,9 +206,11 @@ std::vector<StoredJob> jobs(Database& db) {
     std::vector<StoredJob> found;
     db.query(
         "SELECT sequence, id, tenant, scene, scene_sha256, state, created, started, ended, units,"
-        " units_done, seconds, bytes, most_bytes, crashes, failure, warnings FROM jobs ORDER BY "
-        "sequence",
-        [&](const Row& row) { found.push_back(read_job(row)); });
+        " units_done, seconds, bytes, most_bytes,"
+        " CASE WHEN state < ? THEN coalesce(json_extract(request, '$.priority'), 0) ELSE 0 END,"
+        " crashes, failure, warnings FROM jobs ORDER BY sequence",
+        [&](const Row& row) { found.push_back(read_job(row)); },
+        static_cast<int>(JobState::kSucceeded));
     return found;
 }
 

@@ -54,6 +54,7 @@ struct StoredJob {
     double seconds = 0.0;
     uint64_t bytes = 0;                   // of its files, each as at least one block of 4 KiB
     uint64_t most_bytes = 0;              // that they may take; 0 in rows of version 1
+    int priority = 0;                     // of a job that has not ended
     int64_t crashes = 0;                  // ends of the process while the job was between units
     std::optional<std::string> failure;   // JSON
     std::optional<std::string> warnings;  // JSON

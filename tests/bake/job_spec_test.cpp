@@ -54,7 +54,9 @@ TEST(JobSpec, TheEffectiveRequestReadsBackAsTheSameJob) {
     request["quality"]["exposure"] = 0.8;
     request["quality"]["weighting"] = "solid_angle";
     request["quality"]["evidence"] = {{"pixels_per_probe", 100}, {"confidence", 0.9}};
-    request["budget"] = {{"rays", 1'000'000}, {"seconds", 12.5}};
+    request["budget"] = {{"rays", 1'000'000}, {"seconds", 12.5}, {"memory_bytes", 1'000'000'000}};
+    request["on_budget_exhausted"] = "fail";
+    request["priority"] = -7;
     request["probes"]["grids"] = {{{"id", "g"},
                                    {"origin_m", {0, 1, 2}},
                                    {"spacing_m", {2, 3, 4}},
@@ -143,6 +145,10 @@ TEST(JobSpec, SaysWhereAndWhatWasExpected) {
          "422 /probes/list/0/position_m/2: is 2e+06"},
         {with("/budget/rays", 100), "422 /budget/rays: expected at least one ray per pixel"},
         {with("/budget/seconds", 0), "422 /budget/seconds: is 0"},
+        {with("/budget/memory_bytes", -1), "422 /budget/memory_bytes: is -1"},
+        {with("/on_budget_exhausted", "stop"),
+         "422 /on_budget_exhausted: expected one of \"return_best\", \"fail\""},
+        {with("/priority", 101), "422 /priority: is 101"},
         {with("/quality/evidence/confidence", 1), "422 /quality/evidence/confidence: is 1"},
         {with("/probes", {{"list", Json::array()}}), "422 /probes: expected at least one probe"},
     };

@@ -54,6 +54,22 @@ TEST(Plan, CountsAndWarns) {
     EXPECT_EQ(write_plan(plan)["work_units"], 6u);
 }
 
+TEST(Plan, AJobThatTakesMoreMemoryThanItMayIsRefused) {
+    const Scene scene = test::small_scene();
+    JobSpec job = test::small_job();
+    const Plan plan = make_plan(scene, job);
+    job.budget.memory_bytes = plan.scene_bytes + plan.light_bytes + plan.bytes_per_unit;
+    EXPECT_NO_THROW(make_plan(scene, job));
+    --*job.budget.memory_bytes;
+    try {
+        make_plan(scene, job);
+        FAIL() << "planned";
+    } catch (const SpecError& error) {
+        ASSERT_EQ(error.issues().size(), 1u);
+        EXPECT_EQ(error.issues()[0].pointer, "/budget/memory_bytes");
+    }
+}
+
 TEST(Plan, MakesAnObjectOctreeOnlyWhereValidityAsksAMesh) {
     const auto why = [](const Plan& plan) -> std::string {
         for (const LeftOut& left : plan.left_out) {

@@ -135,6 +135,23 @@ TEST_F(JobManagerTest, FailuresSayWhyAndNoMoreThanThat) {
     EXPECT_EQ(internal.detail.find("secret"), std::string::npos);
 }
 
+TEST_F(JobManagerTest, AJobThatIsToFailWithItsBudgetDoesAndKeepsWhatThereIs) {
+    start();
+    Json request = test::net_request(2, 16);
+    request["quality"] = {{"targets", {{"psnr_db", 90.0}}}};
+    request["budget"] = {{"rays", 2 * 6 * 16 * 16}};
+    const std::string best = submit(request);
+    request["on_budget_exhausted"] = "fail";
+    const std::string id = submit(request);
+    EXPECT_EQ(wait_until_ended(best).state, JobState::kSucceeded);
+    const JobSnapshot job = wait_until_ended(id);
+    EXPECT_EQ(job.state, JobState::kFailed);
+    ASSERT_TRUE(job.failure);
+    EXPECT_EQ(job.failure->code, "budget");
+    EXPECT_NE(report(id)->content, nullptr);
+    EXPECT_EQ(unit_count(id), 2U);
+}
+
 TEST_F(JobManagerTest, AFileThatCannotBeWrittenFailsTheJob) {
     gated_ = true;
     start();

@@ -207,6 +207,26 @@ TEST_F(JobRestartTest, TenantsShareTheThreadsAndHaveAQuota) {
     gate_.open();
 }
 
+TEST_F(JobRestartTest, OfATenantsJobsTheMostImportantIsNextAfterARestartToo) {
+    gated_ = true;
+    start({.max_running = 1});
+    const auto submit_with = [&](int priority) {
+        Json request = test::net_request(1);
+        request["priority"] = priority;
+        return submit(request);
+    };
+    submit_with(0);
+    wait_for_waiting(1);
+    const std::string low = submit_with(-5);
+    const std::string usual = submit_with(0);
+    const std::string high = submit_with(5);
+    gate_.open();
+    restart({.max_running = 1});
+    for (const std::string& id : {low, usual, high}) wait_until_ended(id);
+    EXPECT_LE(*manager_->find(high)->ended, *manager_->find(usual)->started);
+    EXPECT_LE(*manager_->find(usual)->ended, *manager_->find(low)->started);
+}
+
 TEST_F(JobRestartTest, ADamagedFileIsBakedAgain) {
     start();
     const std::string id = submit(test::grid_request(2, 1, 1));

@@ -67,7 +67,9 @@ std::vector<Json> samples() {
           {"normaliser", 1},
           {"misses_in_kernel", "black"}}},
         {"evidence", {{"audit", true}, {"pixels_per_probe", 64}, {"confidence", 0.9}}}};
-    request["budget"] = {{"rays", 1'000'000'000}, {"seconds", 10}};
+    request["budget"] = {{"rays", 1'000'000'000}, {"seconds", 10}, {"memory_bytes", 1}};
+    request["on_budget_exhausted"] = "fail";
+    request["priority"] = 1;
     Json rays = request;
     rays["quality"]["targets"] = {{"rays", 100'000}};
     rays["quality"]["evidence"] = "none";

@@ -147,7 +147,7 @@ TEST(JobSpec, SaysWhereAndWhatWasExpected) {
         {with("/budget/seconds", 0), "422 /budget/seconds: is 0"},
         {with("/budget/memory_bytes", -1), "422 /budget/memory_bytes: is -1"},
         {with("/on_budget_exhausted", "stop"),
-         "422 /on_budget_exhausted: expected one of \"return_best\", \"fail\""},
+         "400 /on_budget_exhausted: expected one of \"return_best\", \"fail\""},
         {with("/priority", 101), "422 /priority: is 101"},
         {with("/quality/evidence/confidence", 1), "422 /quality/evidence/confidence: is 1"},
         {with("/probes", {{"list", Json::array()}}), "422 /probes: expected at least one probe"},

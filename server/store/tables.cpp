@@ -207,7 +207,8 @@ std::vector<StoredJob> jobs(Database& db) {
     db.query(
         "SELECT sequence, id, tenant, scene, scene_sha256, state, created, started, ended, units,"
         " units_done, seconds, bytes, most_bytes,"
-        " CASE WHEN state < ? THEN coalesce(json_extract(request, '$.priority'), 0) ELSE 0 END,"
+        " CASE WHEN state < ? AND json_valid(request)"
+        " THEN coalesce(json_extract(request, '$.priority'), 0) ELSE 0 END,"
         " crashes, failure, warnings FROM jobs ORDER BY sequence",
         [&](const Row& row) { found.push_back(read_job(row)); },
         static_cast<int>(JobState::kSucceeded));

@@ -101,6 +101,7 @@ class AuditRun {
 
     Audit run() {
         audit_pixels();
+        audit_.ssim_lost = spec_.ssim_lost;
         if (spec_.windows > 0) audit_windows();
         return audit_;
     }
@@ -149,7 +150,7 @@ class AuditRun {
         std::vector<TruthPair> truths(drawn.size());
         std::vector<double> weights(drawn.size());
         std::vector<ShDraw> differences(spec_.sh ? drawn.size() : 0);
-        std::vector<double> irradiance(differences.size());
+        std::vector<double> irradiance(spec_.noise ? drawn.size() : 0);
         for_each(drawn.size(), [&](size_t i, CostStats& stats) {
             const CubePixel pixel = pixel_at(drawn[i], n_);
             const Rgb& value = spec_.as_written.at(pixel);
@@ -161,8 +162,10 @@ class AuditRun {
             weights[i] = pixel_weight(spec_.weighting, pixel, n_) * inverse;
             errors[i] = weights[i] * error;
             if (!spec_.sh) return;
-            irradiance[i] = irradiance_weight(pixel, n_) * 3.0 * spec_.exposure * spec_.exposure *
-                            error / probability[drawn[i]];
+            if (spec_.noise) {
+                irradiance[i] = irradiance_weight(pixel, n_) * 3.0 * spec_.exposure *
+                                spec_.exposure * error / probability[drawn[i]];
+            }
             const Vec3 mean = (Vec3(truth.r1) + Vec3(truth.r2)) / 2.0;
             differences[i] = {pixel, (Vec3(value) - mean) / probability[drawn[i]]};
         });
@@ -280,12 +283,12 @@ TruthOf voxel_truth(const RenderScene& scene, const Vec3& origin, int n, Against
 std::optional<AuditedRatio> audited_ratio(QualityTarget::Metric metric, const Audit& audit) {
     const std::optional<Estimate> size = error_size(metric, audit.error);
     const bool irradiance = metric == QualityTarget::Metric::kIrradianceRel;
-    const double predicted = !irradiance   ? audit.predicted
-                             : audit.noise ? audit.noise->square
-                                           : 0.0;
+    const bool ssim = metric == QualityTarget::Metric::kSsim;
+    double predicted = audit.predicted;
+    if (irradiance) predicted = audit.noise ? audit.noise->square : 0.0;
+    if (ssim && audit.ssim_lost) predicted = *audit.ssim_lost;
     if (!(predicted > 0.0)) return std::nullopt;
-    if (!size && metric == QualityTarget::Metric::kSsim)
-        return AuditedRatio{.predicted = predicted};
+    if (!size && ssim) return AuditedRatio{.predicted = predicted};
     if (!size) return std::nullopt;
     return AuditedRatio{.predicted = predicted,
                         .measured = size->value,

@@ -34,6 +34,7 @@ struct Audit {
     double predicted = 0.0;  // mean squared error by the renderer's own prediction; 0 without one
     std::optional<ShAudit> sh;
     std::optional<IrradianceNoise> noise;  // by its own variances, of paths
+    std::optional<double> ssim_lost;       // by the same (ssim_noise.h)
     CostStats cost;
 };
 
@@ -69,6 +70,7 @@ struct AuditSpec {
     bool sh = false;  // whether the spherical harmonics are audited, too
     /// What variances of pixels lead to expect, where these err independently and without bias.
     std::optional<IrradianceNoise> noise;
+    std::optional<double> ssim_lost;
     /// Draws pixels for them, by solid angle and predicted error instead of its square: best for a
     /// sum in which errors of different pixels cancel.
     bool drawn_for_sh = false;

@@ -13,8 +13,8 @@ constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kLeastWindows = 16;
 constexpr int kLeastTeachingWindows = 2;
-/// Side of a truth's grid over the root of a pixel's rays.
-constexpr double kTruthPerRay = 0.6;
+/// Side of a window's grid over the root of a pixel's rays.
+constexpr double kWindowTruthPerRay = 0.6;
 constexpr uint64_t kWindowStream = 17;
 constexpr int kWindowPixels = kSsimWindow_px * kSsimWindow_px;
 
@@ -31,7 +31,7 @@ int irradiance_draws(const EvidenceSpec& evidence, int truth_grid, int face_size
 
 WindowDraws ssim_windows(const WindowParams& params, double rays) {
     const int as_noisy =
-        static_cast<int>(std::ceil(kTruthPerRay * std::sqrt(params.rays_per_pixel)));
+        static_cast<int>(std::ceil(kWindowTruthPerRay * std::sqrt(params.rays_per_pixel)));
     const int grid = std::clamp(as_noisy, params.least_grid, params.truth_grid);
     const double paid_for = rays / (2.0 * grid * grid * kWindowPixels);
     if (!params.pooled || params.teaches) {

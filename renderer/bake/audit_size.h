@@ -25,10 +25,10 @@ struct WindowParams {
     uint64_t key = 0;      // of the draw whether a pair is spared
 };
 
-/// About as noisy as the render, as the truth of single pixels is (audit.h), so that windows cost
-/// less where the render does. As many as these rays pay for, at least 16, or 4 in a probe that
-/// teaches others; where they are pooled as many as the rays pay for on average, in pairs: none in
-/// most probes of small faces.
+/// Rays per side are 0.6 of the root of a pixel's, fewer than in single pixels (audit.h): windows
+/// average over their noise. As many windows as these rays pay for, at least 16, or 2 in a probe
+/// that teaches others; where they are pooled as many as the rays pay for on average, in pairs:
+/// none in most probes of small faces.
 WindowDraws ssim_windows(const WindowParams& params, double rays);
 
 }  // namespace probebake

@@ -8,6 +8,7 @@
 #include "bake/learn.h"
 #include "bake/probe_files.h"
 #include "bake/probe_view.h"
+#include "bake/ssim_noise.h"
 #include "image/exr.h"
 #include "render/hybrid.h"
 #include "render/hybrid_view.h"
@@ -25,6 +26,8 @@ constexpr double kTellingDraws = 12.0;
 constexpr double kLeafRaysShare = 0.1;
 /// Through media, for irradiance: of these shares, because audits go where paths are long.
 constexpr double kPathsShare = 0.4;
+/// What noise may take from SSIM at most and still be told from more of it.
+constexpr double kMostSsimLost = 0.98;
 /// Of the irradiance error that a probe's pixels lead to expect, what it may be without being
 /// unlucky.
 constexpr double kUnlucky = 3.0;
@@ -36,6 +39,7 @@ constexpr double kHardestLook = 16.0;
 constexpr double kLeafRaysConfidence = 0.7;
 /// Paths of each mean of an audit: so many, squared, at most.
 constexpr int kLargestPathGrid = 64;
+constexpr int kLeastPathGrid = 2;
 constexpr int kLeastAuditPixels = 12;
 /// Of an audit's rays, for pixels, where only windows decide.
 constexpr double kPixelsBesideWindows = 0.2;
@@ -211,7 +215,7 @@ class Unit {
         }
         size_t next = 0;
         take(render());
-        while (const std::optional<size_t> finer = finer_for_irradiance(next)) {
+        while (const std::optional<size_t> finer = finer_by_variances(next)) {
             render_again(*finer);
             next = *finer + 1;
         }
@@ -237,9 +241,9 @@ class Unit {
         take(render());
     }
 
-    /// Through media: the settings from `next` on whose pixels lead to expect the irradiance that
-    /// is asked for, where those of the render do not.
-    std::optional<size_t> finer_for_irradiance(size_t next) const {
+    /// Through media: the settings from `next` on whose pixels' variances lead to expect what is
+    /// asked for, where those of the render do not.
+    std::optional<size_t> finer_by_variances(size_t next) const {
         const bool any_will_do =
             job_.quality.targets.size() > 1 && job_.quality.require == Require::kAny;
         if (!through_media() || any_will_do || params_.out_of_time || render_.limited ||
@@ -249,20 +253,31 @@ class Unit {
         std::optional<size_t> finer;
         for (size_t t = 0; t < pilot_.steering.size(); ++t) {
             if (!pilot_.steering[t]) continue;
-            const double allowed = *largest_size(job_.quality.targets[t]);
-            const double expected =
-                kUnlucky * pilot_.steering[t]->prior.ratio * expected_noise().square;
-            if (expected <= allowed) continue;
-            finer = finer_than(next, render_mse_ * allowed / expected);
+            const double step = step_by_variances(job_.quality.targets[t], *pilot_.steering[t]);
+            if (step >= 1.0) continue;
+            finer = std::max(finer.value_or(next), finer_than(next, render_mse_ * step));
         }
         return finer;
+    }
+
+    /// By what factor the variances of the render's pixels are to fall.
+    double step_by_variances(const QualityTarget& target, const Steering& steering) const {
+        if (target.metric == QualityTarget::Metric::kIrradianceRel) {
+            const double expected = kUnlucky * steering.prior.ratio * expected_noise().square;
+            return *largest_size(target) / expected;
+        }
+        // SSIM loses v / (v + contrast) to a variance v.
+        const auto variance = [](double lost) { return lost / (1.0 - lost); };
+        const double goal = std::min(steering.goal, kMostSsimLost);
+        const double lost = expected_ssim_loss(as_written_, render_.aux, pilot_.exposure);
+        return variance(goal) / variance(std::min(lost, kMostSsimLost));
     }
 
     /// By this probe's paths and by those of the pilot: half by each.
     IrradianceNoise expected_noise() const {
         IrradianceNoise noise = irradiance_noise(as_written_, render_.aux);
         const auto paths = static_cast<double>(render_.total().rays);
-        const double both = (noise.square + pilot_.irradiance_square_of_path / paths) / 2.0;
+        const double both = (noise.square + pilot_.irradiance_square_times_paths / paths) / 2.0;
         if (noise.square > 0.0) noise.channels *= both / noise.square;
         noise.square = both;
         return noise;
@@ -279,7 +294,7 @@ class Unit {
                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
     }
     /// Where the mean of all probes may speak for a probe, it need not be sure itself.
-    bool may_be_pooled() const { return !through_media() && probes_to_learn_from(job_) > 0; }
+    bool may_be_pooled() const { return probes_to_learn_from(job_) > 0; }
 
     bool may_look_again() const {
         return !params_.out_of_time && !render_.limited &&
@@ -402,14 +417,15 @@ class Unit {
 
     bool leaf_rays_only() const { return wants_leaf_rays_only(job_) && !through_media(); }
 
-    WindowDraws window_draws(double rays, uint64_t key) const {
+    /// Through media `lost` is what the noise is expected to take from SSIM.
+    WindowDraws window_draws(double rays, std::optional<double> lost, uint64_t key) const {
         if (!has_target(job_.quality, QualityTarget::Metric::kSsim)) return {};
         const auto pixels = static_cast<double>(owned_pixel_count(probe_.face_size_px));
         const double rays_per_pixel = static_cast<double>(render_.total().all_rays()) / pixels;
         return ssim_windows({.rays_per_pixel = rays_per_pixel,
-                             .truth_grid = truth_grid(),
-                             .least_grid = through_media() ? truth_grid() : 1,
-                             .pooled = may_be_pooled() && !pilot_.steering.empty(),
+                             .truth_grid = through_media() ? kLargestPathGrid : truth_grid(),
+                             .least_grid = through_media() ? kLeastPathGrid : 1,
+                             .pooled = may_be_pooled() && !pilot_.steering.empty() && lost != 0.0,
                              .teaches = params_.teaches && result_.looks == 1,
                              .key = key},
                             rays);
@@ -427,7 +443,11 @@ class Unit {
         const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
         const uint64_t key =
             random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look});
-        const WindowDraws windows = window_draws(rays, key);
+        std::optional<double> ssim_lost;
+        if (through_media() && has_target(job_.quality, QualityTarget::Metric::kSsim)) {
+            ssim_lost = expected_ssim_loss(as_written_, render_.aux, pilot_.exposure);
+        }
+        const WindowDraws windows = window_draws(rays, ssim_lost, key);
         AuditSpec spec{
             .truth = truth(),
             .as_written = as_written_,
@@ -444,6 +464,7 @@ class Unit {
             .window_grid = windows.grid,
             .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
             .sh = irradiance || job_.products.sh,
+            .ssim_lost = ssim_lost,
             .drawn_for_sh = leaf_rays_only(),
             .key = key};
         if (irradiance && through_media()) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bake/bake_probe.h"
+#include "bake/learn.h"
 #include "image/cubemap.h"
 #include "light/lighting.h"
 
@@ -24,6 +25,8 @@ struct PartLimits {
 constexpr PartLimits kOfRays;
 /// What paths cost differs by a factor of hundreds between probes in and beside a cloud.
 constexpr PartLimits kOfPaths{.one_of = 1, .most_probes = 16, .largest_face_px = 8};
+/// As many as learn from each other, of faces that have windows of SSIM.
+constexpr PartLimits kOfPathsForSsim{.one_of = 1, .most_probes = 32, .largest_face_px = 12};
 /// Of a process that has baked nothing yet: code, libraries (OpenVDB the most), threads.
 constexpr uint64_t kProcessBytes = uint64_t{46} << 20;
 /// Steps of a ray that lights, and bytes of light per exposed face (docs/decisions.md, "Light is a
@@ -43,7 +46,11 @@ double seconds_since(Clock::time_point begin) {
 /// Some probes of the job in one state, with small faces, and its share of the ray budget. Without
 /// atlases: they need whole grids.
 JobSpec part_of(const Scene& scene, const JobSpec& job, const LightingState& state) {
-    const PartLimits limits = sees_media(scene, state) ? kOfPaths : kOfRays;
+    PartLimits limits = kOfRays;
+    if (sees_media(scene, state)) {
+        const bool ssim = has_target(job.quality, QualityTarget::Metric::kSsim);
+        limits = ssim ? kOfPathsForSsim : kOfPaths;
+    }
     JobSpec part = job;
     part.states = {state};
     part.probes.clear();
@@ -100,7 +107,7 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
         if (state.lit() && !unlit && again)
             forecast.lighting_seconds += seconds_since(lighting_begin);
         const Clock::time_point begin = Clock::now();
-        const Pilot pilot = run_pilot(scene, part, make_plan(scene, part), ready, cancel);
+        Pilot pilot = run_pilot(scene, part, make_plan(scene, part), ready, cancel);
         forecast.seconds += seconds_since(begin) * static_cast<double>(pilot_pixels(job)) /
                             static_cast<double>(pilot_pixels(part));
         if (unlit) {
@@ -111,9 +118,14 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
         }
         std::vector<ProbeResult> results(part.probes.size());
         const Clock::time_point render_begin = Clock::now();
-        tbb::parallel_for(size_t{0}, results.size(), [&](size_t i) {
-            results[i] = bake_probe(scene, part, pilot, {.probe = i}, cancel);
-        });
+        const size_t teaching = probes_to_learn_from(part);
+        const auto bake = [&](size_t i) {
+            results[i] =
+                bake_probe(scene, part, pilot, {.probe = i, .teaches = i < teaching}, cancel);
+        };
+        tbb::parallel_for(size_t{0}, teaching, bake);
+        learn(pilot, part.quality, std::span(results).first(teaching));
+        tbb::parallel_for(teaching, results.size(), bake);
         const double scale = pixels / static_cast<double>(pixel_count(part));
         forecast.seconds += scale * seconds_since(render_begin);
         for (const ProbeResult& result : results) {

@@ -98,7 +98,7 @@ IrradianceNorms coarse_irradiance_norms(const std::vector<ProbeSpec>& probes,
         squares[i] *= norm > 0.0 ? static_cast<double>(owned_pixel_count(n)) / (norm * norm) : 0.0;
     });
     for (const double square : squares) {
-        norms.square_of_path += square / static_cast<double>(drawn.size());
+        norms.square_times_paths += square / static_cast<double>(drawn.size());
     }
     for (const CostStats& cost : costs) norms.cost += cost;
     return norms;

@@ -50,10 +50,9 @@ struct NoisyPixel {
 /// Length of the irradiance (irradiance_norm) seen from each probe of a sample.
 struct IrradianceNorms {
     std::map<size_t, double> of_probe;
-    /// Expected square of irradiance_rel where all paths but one are left out, mean over the
-    /// probes: divided by the paths of a cubemap it is that cubemap's. Where few paths carry much
-    /// light, those of one probe do not tell it.
-    double square_of_path = 0.0;
+    /// Expected square of irradiance_rel times the paths of a cubemap, which it falls with; mean
+    /// over the probes. Where few paths carry much light, those of one probe do not tell it.
+    double square_times_paths = 0.0;
     CostStats cost;
 };
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/learn.h"
 #include "image/exposure.h"
 
 namespace probebake {
@@ -20,10 +21,10 @@ constexpr int kFirstPaths = 16;  // of each of two means
 constexpr double kShare = 0.03;
 constexpr int kLeastPaths = 16;
 
-/// Relative standard deviations of actual over predicted irradiance errors (squared, of what is to
-/// be expected) among probes, and of a draw that audits it.
-constexpr double kIrradianceSpread = 0.4;
-constexpr double kIrradianceDrawCv = 6.0;
+/// Of actual over predicted irradiance errors (squared, of what is to be expected), and of what
+/// noise takes from SSIM.
+constexpr ErrorPrior kIrradiancePrior{.ratio = 1.0, .spread = 0.4, .draw_cv = 6.0};
+constexpr ErrorPrior kSsimPrior{.ratio = 1.0, .spread = 0.5, .draw_cv = 1.0};
 /// Paths in every pixel, for irradiance: from, to, and from one number to the next.
 constexpr int kLeastIrradiancePaths = 4;
 constexpr int kMostIrradiancePaths = 4096;
@@ -35,10 +36,18 @@ constexpr size_t kMostCoarsePaths = 128;
 /// Noise that the render aims at, as a share of what the target allows: audits have intervals,
 /// whose far ends are to meet it.
 constexpr double kAim = 0.85;
-constexpr double kFiner = 0.85;  // of the noise, from one finer setting to the next
-constexpr int kFinerSettings = 12;
+/// From one finer setting to the next: the noise by a factor, so many times.
+struct FinerSteps {
+    double factor = 1.0;
+    int count = 0;
+};
+constexpr FinerSteps kFiner{0.85, 12};        // where the sample tells
+constexpr FinerSteps kFinerForSsim{0.7, 16};  // where every probe's own variances do
+constexpr FinerSteps kMuchFiner{0.5, 12};     // where looks alone do
 /// Where the target is SSIM or a relative error: noise to begin with, in units of exposure.
 constexpr double kUntoldNoise = 0.1;
+/// And where probes' variances tell of SSIM.
+constexpr double kNoiseForSsim = 0.4;
 /// Where the target is a number of rays: no noise is small enough.
 constexpr double kNoNoise = 1e-30;
 /// Of a budget of seconds, what the render is planned to use.
@@ -84,6 +93,7 @@ class MediaPilot {
         if (has_target(job_.quality, QualityTarget::Metric::kIrradianceRel)) {
             know_irradiance(pilot);
         }
+        steer(pilot);
         aim(pilot, time);
         measure_curve(pilot);
         pilot.pixels = places_.size();
@@ -197,12 +207,13 @@ class MediaPilot {
             settings.noise = kNoNoise * pilot.exposure;
             return;
         }
-        // Where variance does not tell of a target, the looks do, by larger steps.
-        const double finer = std::all_of(job_.quality.targets.begin(), job_.quality.targets.end(),
-                                         [&](const QualityTarget& t) { return noise_for(t); })
-                                 ? kFiner
-                                 : 0.5;
-        settings.noise = first_noise() * pilot.exposure;
+        const bool told =
+            std::all_of(job_.quality.targets.begin(), job_.quality.targets.end(),
+                        [&](const QualityTarget& target) { return noise_for(target); });
+        const FinerSteps finer =
+            told ? kFiner : (pilot.steering.empty() ? kMuchFiner : kFinerForSsim);
+        const double untold = pilot.steering.empty() ? kUntoldNoise : kNoiseForSsim;
+        settings.noise = first_noise(untold) * pilot.exposure;
         if (const auto paths = affordable(time); paths && needed(settings.noise) > *paths) {
             settings.noise = mean_sigma() / std::sqrt(*paths);
             pilot.expectation = Expectation::kBudgetExhausted;
@@ -210,9 +221,9 @@ class MediaPilot {
         const double relative = settings.noise / pilot.exposure;
         pilot.settings_mse = relative * relative;
         FinerSettings next{settings, pilot.settings_mse};
-        for (int i = 0; i < kFinerSettings; ++i) {
-            next.settings.noise *= finer;
-            next.mse *= finer * finer;
+        for (int i = 0; i < finer.count; ++i) {
+            next.settings.noise *= finer.factor;
+            next.mse *= finer.factor * finer.factor;
             pilot.finer.push_back(next);
         }
     }
@@ -233,10 +244,10 @@ class MediaPilot {
     }
 
     /// That all targets ask for, or the one that asks for least.
-    double first_noise() const {
+    double first_noise(double untold) const {
         std::optional<double> noise;
         for (const QualityTarget& target : job_.quality.targets) {
-            const double its = noise_for(target).value_or(kUntoldNoise);
+            const double its = noise_for(target).value_or(untold);
             const bool all = job_.quality.require == Require::kAll;
             noise = !noise ? its : (all ? std::min(*noise, its) : std::max(*noise, its));
         }
@@ -256,16 +267,26 @@ class MediaPilot {
         }
     }
 
-    /// What its audits are to compare with: paths err without bias and independently.
     void know_irradiance(Pilot& pilot) {
         norms_ = irradiance_norms(path_noise(), pilot.search_cost);
-        pilot.irradiance_square_of_path = norms_.square_of_path;
+        pilot.irradiance_square_times_paths = norms_.square_times_paths;
+    }
+
+    /// What audits are to compare with, where variances tell: paths err without bias and
+    /// independently.
+    void steer(Pilot& pilot) const {
+        const bool learns = probes_to_learn_from(job_) > 0;
+        std::vector<std::optional<Steering>> all;
         for (const QualityTarget& target : job_.quality.targets) {
-            pilot.steering.emplace_back();
-            if (target.metric != QualityTarget::Metric::kIrradianceRel) continue;
-            pilot.steering.back() = steering_of(
-                target, {.ratio = 1.0, .spread = kIrradianceSpread, .draw_cv = kIrradianceDrawCv});
+            all.emplace_back();
+            if (target.metric == QualityTarget::Metric::kIrradianceRel) {
+                all.back() = steering_of(target, kIrradiancePrior);
+            } else if (target.metric == QualityTarget::Metric::kSsim && learns) {
+                all.back() = steering_of(target, kSsimPrior);
+            }
         }
+        const auto told = [](const std::optional<Steering>& its) { return its.has_value(); };
+        if (std::any_of(all.begin(), all.end(), told)) pilot.steering = all;
     }
 
     /// Of one path in every place.

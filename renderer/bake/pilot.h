@@ -57,9 +57,9 @@ struct Pilot {
     std::vector<std::optional<Steering>> steering;
     /// From LOD only (leaf rays only: from one ray) to beyond the target, cheapest first.
     std::vector<CurvePoint> curve;
-    double irradiance_square_of_path = 0.0;  // IrradianceNorms::square_of_path
-    uint64_t pixels = 0;                     // of the sample
-    uint64_t candidates = 0;                 // compared
+    double irradiance_square_times_paths = 0.0;  // IrradianceNorms::square_times_paths
+    uint64_t pixels = 0;                         // of the sample
+    uint64_t candidates = 0;                     // compared
     CostStats search_cost;
     CostStats curve_cost;
     double wall_seconds = 0.0;

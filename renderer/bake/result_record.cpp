@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 5;
+constexpr uint64_t kVersion = 6;
 
 class Damaged {};
 
@@ -211,8 +211,8 @@ void fields(Archive& archive, T& noise) {
 
 template <class Archive, Either<Audit> T>
 void fields(Archive& archive, T& audit) {
-    auto& [error, pixels, windows, predicted, sh, noise, cost] = audit;
-    archive(error, pixels, windows, predicted, sh, noise, cost);
+    auto& [error, pixels, windows, predicted, sh, noise, ssim_lost, cost] = audit;
+    archive(error, pixels, windows, predicted, sh, noise, ssim_lost, cost);
 }
 
 template <class Archive, Either<Interval> T>

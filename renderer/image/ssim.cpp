@@ -32,6 +32,13 @@ const std::array<double, kSize>& weights() {
     return kWeights;
 }
 
+/// Sum of the squares of a window's weights.
+double squared_weights() {
+    double row = 0.0;
+    for (const double w : weights()) row += w * w;
+    return row * row;
+}
+
 /// Weighted mean over a window of a function of the pixel's index.
 template <class Function>
 double window_mean(const Function& value) {
@@ -157,9 +164,7 @@ double ssim(const SsimWindow& a, const SsimWindow& r1, const SsimWindow& r2) {
         (window_mean([&](size_t i) { return (r1[i] - r2[i]) * (r1[i] - r2[i]); }) -
          difference * difference) /
         2.0;
-    double squared_weights = 0.0;
-    for (const double w : weights()) squared_weights += w * w;
-    const double v = noise_variance * noise_variance * squared_weights * squared_weights;
+    const double v = noise_variance * noise_variance * squared_weights();
 
     const double brightness =
         (2.0 * mean_a * mean_r + kC1) / (mean_a * mean_a + mean_1 * mean_2 + kC1);
@@ -186,6 +191,34 @@ std::vector<double> ssim_map(const LuminancePlane& a, const LuminancePlane& r) {
         map.push_back(ssim_of({mean_a[i], mean_r[i], mean_aa[i], mean_rr[i], mean_ar[i]}));
     }
     return map;
+}
+
+// With V the weighted mean of the variances, an image of a truth of mean m and contrast c² has the
+// expected contrast c² + V and the covariance c² with it, and its mean errs by a variance of about
+// V Σ w²: both factors of SSIM follow.
+std::vector<double> ssim_lost_to_noise(const LuminancePlane& image,
+                                       const LuminancePlane& variance) {
+    if (image.width != variance.width || image.height != variance.height) {
+        throw std::invalid_argument("every pixel needs its variance");
+    }
+    if (image.width < kSsimWindow_px || image.height < kSsimWindow_px) return {};
+    const auto filtered = [&](const Values& values) {
+        return filter(values, static_cast<size_t>(image.width), static_cast<size_t>(image.height));
+    };
+    const Values mean = filtered(image.values);
+    const Values mean_square = filtered(product(image.values, image.values));
+    const Values noise = filtered(variance.values);
+    std::vector<double> lost;
+    lost.reserve(mean.size());
+    for (size_t i = 0; i < mean.size(); ++i) {
+        const double noise_of_mean = noise[i] * squared_weights();
+        const double square = std::max(0.0, mean[i] * mean[i] - noise_of_mean);
+        const double contrast = std::max(0.0, mean_square[i] - mean[i] * mean[i] - noise[i]);
+        const double brightness = (2.0 * square + kC1) / (2.0 * square + noise_of_mean + kC1);
+        const double structure = (2.0 * contrast + kC2) / (2.0 * contrast + noise[i] + kC2);
+        lost.push_back(1.0 - brightness * structure);
+    }
+    return lost;
 }
 
 }  // namespace probebake

@@ -47,4 +47,8 @@ double ssim(const SsimWindow& a, const SsimWindow& reference1, const SsimWindow&
 /// them; none below 11 pixels.
 std::vector<double> ssim_map(const LuminancePlane& a, const LuminancePlane& reference);
 
+/// What noise takes from the SSIM of every window of an image, in the order of ssim_map: 1 − SSIM
+/// as it is to be expected of unbiased pixels that err independently with these variances.
+std::vector<double> ssim_lost_to_noise(const LuminancePlane& image, const LuminancePlane& variance);
+
 }  // namespace probebake

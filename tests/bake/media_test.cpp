@@ -8,10 +8,12 @@
 
 #include "bake/bake_fixture.h"
 #include "bake/bake_probe.h"
+#include "bake/forecast.h"
 #include "bake/learn.h"
 #include "bake/report.h"
 #include "image/exr.h"
 #include "image/sh_projection.h"
+#include "image/ssim.h"
 #include "scene/generators/cumulus.h"
 
 namespace probebake {
@@ -49,6 +51,32 @@ Json day_request(const Json& targets = {{"rmse", kTarget}}) {
     return request;
 }
 
+/// Of all windows of all faces, against two independent references.
+double mean_ssim(const Cubemap& cube, const Cubemap& r1, const Cubemap& r2, double exposure) {
+    const int n = cube.face_size();
+    const auto planes = [&](const Cubemap& of) {
+        const auto pixels = static_cast<size_t>(n) * static_cast<size_t>(n);
+        std::vector<LuminancePlane> faces(kFaceCount, LuminancePlane{n, n, {}});
+        for (size_t i = 0; i < kFaceCount * pixels; ++i) {
+            faces[i / pixels].values.push_back(ssim_luminance(of.at(pixel_at(i, n)), exposure));
+        }
+        return faces;
+    };
+    const auto a = planes(cube);
+    const auto b = planes(r1);
+    const auto c = planes(r2);
+    Moments windows;
+    for (size_t face = 0; face < kFaceCount; ++face) {
+        for (int y = 0; y <= n - kSsimWindow_px; ++y) {
+            for (int x = 0; x <= n - kSsimWindow_px; ++x) {
+                windows.add(ssim(ssim_window(a[face], x, y), ssim_window(b[face], x, y),
+                                 ssim_window(c[face], x, y)));
+            }
+        }
+    }
+    return windows.mean();
+}
+
 class MediaBake : public testing::Test {
   protected:
     MediaBake() { scene_.media = Media({cloud(Rgb(0.1f), Rgb(0.9f)), haze()}); }
@@ -59,6 +87,25 @@ class MediaBake : public testing::Test {
     }
     ProbeResult bake(const JobSpec& job, const UnitParams& unit = {}) const {
         return bake_probe(scene_, job, pilot(job), unit, cancel_);
+    }
+    /// As a job's probes are baked: the first of them teach the pilot.
+    std::vector<ProbeResult> bake_all(const JobSpec& job, Pilot& pilot) const {
+        std::vector<ProbeResult> results;
+        for (size_t i = 0; i < job.probes.size(); ++i) {
+            const bool teaches = i < probes_to_learn_from(job);
+            if (i == probes_to_learn_from(job)) learn(pilot, job.quality, results);
+            results.push_back(
+                bake_probe(scene_, job, pilot, {.probe = i, .teaches = teaches}, cancel_));
+        }
+        return results;
+    }
+    /// Of paths that no bake traces.
+    Cubemap truth_of(const JobSpec& job, size_t probe, const Pilot& pilot, int paths,
+                     uint64_t key) const {
+        return render_through_media(scene_, *pilot.media->tracer,
+                                    volume_view(scene_, job.probes[probe], key),
+                                    {.kind = RendererKind::kPaths, .samples = paths}, {}, cancel_)
+            .color;
     }
     static Cubemap cube_of(const ProbeResult& result) {
         return decode_cubemap(result.files[0].bytes, "").cubemap;
@@ -243,27 +290,26 @@ TEST_F(MediaBake, IrradianceAndSsimAreTargetsToo) {
     }
 }
 
-/// Against renders of a thousand paths in every pixel.
-TEST_F(MediaBake, PromisesOfIrradianceHold) {
-    constexpr int kProbes = 48;
-    constexpr double kIrradiance = 0.05;
-    Json request = day_request({{"irradiance_rel", kIrradiance}});
-    request["products"] = {"cube", "sh"};
+/// A job of 48 probes, some of them within the cloud.
+constexpr int kProbes = 48;
+Json many_probes(Json request) {
     request["probes"]["list"].clear();
     for (int i = 0; i < kProbes; ++i) {
         const Vec3 p(-7.0 + 2.3 * (i % 4), 7.0 + 1.9 * (i / 4 % 3), 4.0 + 2.9 * (i / 12));
         request["probes"]["list"].push_back(
             {{"id", "p" + std::to_string(i)}, {"position_m", {p.x, p.y, p.z}}});
     }
+    return request;
+}
+
+/// Against renders of a thousand paths in every pixel.
+TEST_F(MediaBake, PromisesOfIrradianceHold) {
+    constexpr double kIrradiance = 0.05;
+    Json request = many_probes(day_request({{"irradiance_rel", kIrradiance}}));
+    request["products"] = {"cube", "sh"};
     const JobSpec job = read_job(request);
     Pilot pilot = this->pilot(job);
-    std::vector<ProbeResult> results;
-    for (size_t i = 0; i < job.probes.size(); ++i) {
-        const bool teaches = i < probes_to_learn_from(job);
-        if (i == probes_to_learn_from(job)) learn(pilot, job.quality, results);
-        results.push_back(
-            bake_probe(scene_, job, pilot, {.probe = i, .teaches = teaches}, cancel_));
-    }
+    const std::vector<ProbeResult> results = bake_all(job, pilot);
     int kept = 0;
     int covered = 0;
     int within = 0;
@@ -272,11 +318,7 @@ TEST_F(MediaBake, PromisesOfIrradianceHold) {
     double render = 0.0;
     for (const ProbeResult& result : results) {
         EXPECT_TRUE(result.target_met);
-        const VolumeView view = volume_view(scene_, job.probes[result.probe], 1234);
-        const ShRgb truth = project_sh(
-            render_through_media(scene_, *pilot.media->tracer, view,
-                                 {.kind = RendererKind::kPaths, .samples = 1024}, {}, cancel_)
-                .color);
+        const ShRgb truth = project_sh(truth_of(job, result.probe, pilot, 1024, 1234));
         ShRgb difference = project_sh(cube_of(result));
         Vec3 squares(0.0);
         for (size_t k = 0; k < truth.size(); ++k) {
@@ -305,6 +347,57 @@ TEST_F(MediaBake, PromisesOfIrradianceHold) {
     EXPECT_GE(covered, 41);
     EXPECT_GE(within, 41);
     EXPECT_LT(paths, 60.0);
+}
+
+/// Against two renders of 128 paths in every pixel, whose noise does not count.
+TEST_F(MediaBake, PromisesOfSsimHold) {
+    constexpr double kSsim = 0.7;
+    constexpr int kWindowFace = 14;
+    Json request = many_probes(day_request({{"ssim", kSsim}}));
+    request["face_size_px"] = kWindowFace;
+    const JobSpec job = read_job(request);
+    Pilot pilot = this->pilot(job);
+    const std::vector<ProbeResult> results = bake_all(job, pilot);
+    int kept = 0;
+    int covered = 0;
+    double paths = 0.0;
+    double audit = 0.0;
+    double render = 0.0;
+    for (const ProbeResult& result : results) {
+        EXPECT_TRUE(result.target_met);
+        const double ssim =
+            mean_ssim(cube_of(result), truth_of(job, result.probe, pilot, 128, 1234),
+                      truth_of(job, result.probe, pilot, 128, 4321), pilot.exposure);
+        const Interval& lost = result.pooled.front()->interval;
+        kept += ssim >= kSsim ? 1 : 0;
+        covered += 1.0 - ssim >= lost.low && 1.0 - ssim <= lost.high ? 1 : 0;
+        paths += static_cast<double>(result.render_cost().rays) / kProbes /
+                 static_cast<double>(owned_pixel_count(kWindowFace));
+        render += static_cast<double>(result.render_cost().steps);
+        audit += static_cast<double>(result.certificate.cost.steps + result.decision_cost.steps);
+    }
+    std::printf("of %d: %d kept, %d covered; %.1f paths, audits %.3f\n", kProbes, kept, covered,
+                paths, audit / render);
+    // With 95 % kept, fewer than 41 of 48 would be by chance in 0.5 % of all cases.
+    EXPECT_GE(kept, 41);
+    EXPECT_GE(covered, 41);
+    EXPECT_LT(audit, 0.15 * render);
+}
+
+/// Its probes have faces of windows of SSIM, and learn from each other as the job's do.
+TEST_F(MediaBake, ForecastsOfSsimAreMadeWithWindows) {
+    Json request = many_probes(day_request({{"ssim", 0.5}}));
+    request["face_size_px"] = 16;
+    const JobSpec job = read_job(request);
+    const Plan plan = make_plan(scene_, job);
+    const Forecast forecast = make_forecast(scene_, job, plan, 2, cancel_);
+    EXPECT_GT(forecast.seconds, 0.0);
+    Pilot pilot = this->pilot(job);
+    double bytes = 0.0;
+    for (const ProbeResult& result : bake_all(job, pilot)) {
+        bytes += static_cast<double>(result.files.front().size_bytes);
+    }
+    EXPECT_NEAR(static_cast<double>(forecast.output_bytes) / bytes, 1.0, 0.25);
 }
 
 TEST_F(MediaBake, CurveOfIrradianceTellsWhatCubemapsAreWrongBy) {

@@ -6,6 +6,8 @@
 #include <stdexcept>
 
 #include "image/cubemaps.h"
+#include "math/estimate.h"
+#include "math/random.h"
 
 namespace probebake {
 namespace {
@@ -166,6 +168,46 @@ TEST(Ssim, TooMuchNoiseMakesTheEstimatePessimistic) {
     const NoiseTrial trial = run_trial(flat, flat, 0.05, 3);
     EXPECT_LT(trial.two_references, 0.9);
     EXPECT_GT(trial.two_references, trial.plain);
+}
+
+TEST(Ssim, VariancesTellWhatNoiseTakesFromIt) {
+    struct Case {
+        double brightness, contrast, noise;
+    };
+    for (const Case& c : {Case{0.5, 0.0, 0.01}, Case{0.5, 0.0, 0.03}, Case{0.5, 0.0, 0.1},
+                          Case{0.02, 0.0, 0.005}, Case{0.5, 0.05, 0.03}, Case{0.5, 0.2, 0.1}}) {
+        LuminancePlane truth{24, 24, {}};
+        for (int i = 0; i < 24 * 24; ++i) {
+            truth.values.push_back(c.brightness + c.contrast * std::sin(1.3 * (i % 24)));
+        }
+        const LuminancePlane variance{24, 24,
+                                      std::vector<double>(truth.values.size(), c.noise * c.noise)};
+        RandomStream random(9);
+        Moments found;
+        Moments told;
+        for (int trial = 0; trial < 200; ++trial) {
+            LuminancePlane a = truth;
+            for (double& value : a.values) {
+                value += c.noise * std::sqrt(3.0) * (2.0 * random.uniform() - 1.0);
+            }
+            for (const double ssim : ssim_map(a, truth)) found.add(1.0 - ssim);
+            for (const double lost : ssim_lost_to_noise(a, variance)) told.add(lost);
+        }
+        std::printf("brightness %.2f, contrast %.2f, noise %.3f: 1 - SSIM %.4f, told %.4f\n",
+                    c.brightness, c.contrast, c.noise, found.mean(), told.mean());
+        EXPECT_NEAR(told.mean() / found.mean(), 1.0, 0.12);
+    }
+}
+
+TEST(Ssim, WithoutNoiseNothingIsLost) {
+    const LuminancePlane image = plane_of(test::wave_cubemap(16));
+    const LuminancePlane none{16, 16, std::vector<double>(256, 0.0)};
+    for (const double lost : ssim_lost_to_noise(image, none)) EXPECT_EQ(lost, 0.0);
+    EXPECT_TRUE(
+        ssim_lost_to_noise({10, 10, std::vector<double>(100)}, {10, 10, std::vector<double>(100)})
+            .empty());
+    EXPECT_THROW(ssim_lost_to_noise(image, {10, 10, std::vector<double>(100)}),
+                 std::invalid_argument);
 }
 
 }  // namespace

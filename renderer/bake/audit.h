@@ -34,7 +34,7 @@ struct Audit {
     double predicted = 0.0;  // mean squared error by the renderer's own prediction; 0 without one
     std::optional<ShAudit> sh;
     std::optional<IrradianceNoise> noise;  // by its own variances, of paths
-    std::optional<double> ssim_lost;       // by the same (ssim_noise.h)
+    std::optional<double> ssim_lost;       // by the same (path_noise.h)
     CostStats cost;
 };
 

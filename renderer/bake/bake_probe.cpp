@@ -6,9 +6,9 @@
 
 #include "bake/audit_size.h"
 #include "bake/learn.h"
+#include "bake/path_noise.h"
 #include "bake/probe_files.h"
 #include "bake/probe_view.h"
-#include "bake/ssim_noise.h"
 #include "image/exr.h"
 #include "render/hybrid.h"
 #include "render/hybrid_view.h"
@@ -26,18 +26,13 @@ constexpr double kTellingDraws = 12.0;
 constexpr double kLeafRaysShare = 0.1;
 /// Through media, for irradiance: of these shares, because audits go where paths are long.
 constexpr double kPathsShare = 0.4;
-/// What noise may take from SSIM at most and still be told from more of it.
-constexpr double kMostSsimLost = 0.98;
-/// Of the irradiance error that a probe's pixels lead to expect, what it may be without being
-/// unlucky.
-constexpr double kUnlucky = 3.0;
 /// Where a probe cannot be refined, or is as good as met, the next audit looks harder: so many
 /// times the rays.
 constexpr double kHarderLook = 4.0;
 constexpr double kHardestLook = 16.0;
 /// As good as met, for leaf rays alone, at this confidence.
 constexpr double kLeafRaysConfidence = 0.7;
-/// Paths of each mean of an audit: so many, squared, at most.
+/// Paths of each mean of an audit: so many, squared, at most; in windows at least.
 constexpr int kLargestPathGrid = 64;
 constexpr int kLeastPathGrid = 2;
 constexpr int kLeastAuditPixels = 12;
@@ -253,34 +248,11 @@ class Unit {
         std::optional<size_t> finer;
         for (size_t t = 0; t < pilot_.steering.size(); ++t) {
             if (!pilot_.steering[t]) continue;
-            const double step = step_by_variances(job_.quality.targets[t], *pilot_.steering[t]);
+            const double step = path_noise().step(job_.quality.targets[t], *pilot_.steering[t]);
             if (step >= 1.0) continue;
             finer = std::max(finer.value_or(next), finer_than(next, render_mse_ * step));
         }
         return finer;
-    }
-
-    /// By what factor the variances of the render's pixels are to fall.
-    double step_by_variances(const QualityTarget& target, const Steering& steering) const {
-        if (target.metric == QualityTarget::Metric::kIrradianceRel) {
-            const double expected = kUnlucky * steering.prior.ratio * expected_noise().square;
-            return *largest_size(target) / expected;
-        }
-        // SSIM loses v / (v + contrast) to a variance v.
-        const auto variance = [](double lost) { return lost / (1.0 - lost); };
-        const double goal = std::min(steering.goal, kMostSsimLost);
-        const double lost = expected_ssim_loss(as_written_, render_.aux, pilot_.exposure);
-        return variance(goal) / variance(std::min(lost, kMostSsimLost));
-    }
-
-    /// By this probe's paths and by those of the pilot: half by each.
-    IrradianceNoise expected_noise() const {
-        IrradianceNoise noise = irradiance_noise(as_written_, render_.aux);
-        const auto paths = static_cast<double>(render_.total().rays);
-        const double both = (noise.square + pilot_.irradiance_square_times_paths / paths) / 2.0;
-        if (noise.square > 0.0) noise.channels *= both / noise.square;
-        noise.square = both;
-        return noise;
     }
 
     /// The first settings from `next` on that leave at most this error, or the finest.
@@ -326,6 +298,8 @@ class Unit {
     }
 
     bool through_media() const { return pilot_.media != nullptr; }
+
+    PathNoise path_noise() const { return {render_, as_written_, pilot_}; }
 
     VolumeView paths_view() const {
         return volume_view(
@@ -445,7 +419,7 @@ class Unit {
             random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look});
         std::optional<double> ssim_lost;
         if (through_media() && has_target(job_.quality, QualityTarget::Metric::kSsim)) {
-            ssim_lost = expected_ssim_loss(as_written_, render_.aux, pilot_.exposure);
+            ssim_lost = path_noise().ssim_lost();
         }
         const WindowDraws windows = window_draws(rays, ssim_lost, key);
         AuditSpec spec{
@@ -468,7 +442,7 @@ class Unit {
             .drawn_for_sh = leaf_rays_only(),
             .key = key};
         if (irradiance && through_media()) {
-            spec.noise = expected_noise();
+            spec.noise = path_noise().irradiance();
         } else if (irradiance) {
             spec.truth_grid = grid;
             spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);

@@ -39,24 +39,6 @@ class Deadline {
     std::jthread timer_;
 };
 
-/// `Prefer: wait=N` (RFC 7240): seconds, at most 30; none where the client did not say.
-std::optional<std::chrono::seconds> wait_of(const httplib::Request& request) {
-    constexpr uint64_t kMaxSeconds = 30;
-    const std::string text = request.get_header_value("Prefer");
-    constexpr std::string_view kWait = "wait=";
-    for (size_t at = 0; at < text.size();) {  // "respond-async, wait=10"
-        const size_t end = std::min(text.find(',', at), text.size());
-        std::string_view preference = std::string_view(text).substr(at, end - at);
-        while (preference.starts_with(' ')) preference.remove_prefix(1);
-        while (preference.ends_with(' ')) preference.remove_suffix(1);
-        at = end + 1;
-        if (!preference.starts_with(kWait)) continue;
-        const std::optional<uint64_t> seconds = read_digits(preference.substr(kWait.size()));
-        if (seconds) return std::chrono::seconds(std::min(*seconds, kMaxSeconds));
-    }
-    return std::nullopt;
-}
-
 std::optional<std::string> key_of(const httplib::Request& request) {
     if (!request.has_header("Idempotency-Key")) return std::nullopt;
     const std::string key = request.get_header_value("Idempotency-Key");
@@ -155,7 +137,7 @@ void Api::submit(const Call& call) {
     JobManager::Submitted submitted = parts_.jobs.submit(read_request(call));
     JobSnapshot& job = submitted.job;
     call.response.status = 202;
-    if (const auto time = wait_of(call.request); time && !submitted.replayed) {
+    if (const auto time = read_wait(call.request); time && !submitted.replayed) {
         try {
             job = wait_for(job, call, *time, true);
             if (is_terminal(job.state)) call.response.status = 201;
@@ -243,7 +225,7 @@ void Api::status(const Call& call) {
     QueryReader(call.request).refuse_unknown();
     JobSnapshot job = find_job(call);
     const bool known = none_match_fails(call.request, etag_of(job));
-    if (const auto time = wait_of(call.request); time && known && !is_terminal(job.state)) {
+    if (const auto time = read_wait(call.request); time && known && !is_terminal(job.state)) {
         job = wait_for(job, call, *time, false);
     }
     const std::string etag = etag_of(job);

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <mutex>
 
 namespace probebake {
 namespace {
@@ -43,8 +42,6 @@ double seconds(UnixMs from, UnixMs to) {
 }
 
 void raise_to(prometheus::Counter& counter, double value) {
-    static std::mutex mutex;  // two scrapes at once would add the difference twice
-    const std::lock_guard lock(mutex);
     if (value > counter.Value()) counter.Increment(value - counter.Value());
 }
 
@@ -215,6 +212,7 @@ void Metrics::count_mended(size_t units, bool mended) {
 }
 
 std::string Metrics::scrape(const JobManager& jobs, const JobStore& store) {
+    const std::lock_guard lock(scraping_);
     const std::map<JobState, size_t> counts = jobs.counts();
     for (int i = 0; i <= static_cast<int>(JobState::kCancelled); ++i) {
         const auto state = static_cast<JobState>(i);

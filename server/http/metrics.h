@@ -8,6 +8,7 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 
+#include <mutex>
 #include <string>
 
 #include "http/http_server.h"
@@ -29,6 +30,9 @@ class Metrics {
     std::string scrape(const JobManager& jobs, const JobStore& store);
 
   private:
+    /// Held by a whole scrape: of two at once each would set a part of the other's figures, and
+    /// both would add the store's same increase.
+    std::mutex scraping_;
     prometheus::Registry registry_;
     prometheus::Family<prometheus::Counter>& requests_;
     prometheus::Histogram& request_seconds_;

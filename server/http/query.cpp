@@ -1,5 +1,6 @@
 #include "http/query.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace probebake {
@@ -10,6 +11,23 @@ std::optional<uint64_t> read_digits(std::string_view text) {
     const auto [rest, error] = std::from_chars(text.data(), end, value);
     if (text.empty() || error != std::errc() || rest != end) return std::nullopt;
     return value;
+}
+
+std::optional<std::chrono::seconds> read_wait(const httplib::Request& request) {
+    constexpr uint64_t kMaxSeconds = 30;
+    constexpr std::string_view kWait = "wait=";
+    const std::string text = request.get_header_value("Prefer");
+    for (size_t at = 0; at < text.size();) {  // "respond-async, wait=10"
+        const size_t end = std::min(text.find(',', at), text.size());
+        std::string_view preference = std::string_view(text).substr(at, end - at);
+        while (preference.starts_with(' ')) preference.remove_prefix(1);
+        while (preference.ends_with(' ')) preference.remove_suffix(1);
+        at = end + 1;
+        if (!preference.starts_with(kWait)) continue;
+        const std::optional<uint64_t> seconds = read_digits(preference.substr(kWait.size()));
+        if (seconds) return std::chrono::seconds(std::min(*seconds, kMaxSeconds));
+    }
+    return std::nullopt;
 }
 
 void QueryReader::refuse(const std::string& name, const std::string& detail) {

@@ -1,8 +1,10 @@
-// The query of a URL, read as strictly as a body: unknown and repeated parameters are refused.
+// The query of a URL, read as strictly as a body: unknown and repeated parameters are refused; and
+// what a client prefers, which is ignored where it is not understood.
 #pragma once
 
 #include <httplib.h>
 
+#include <chrono>
 #include <optional>
 #include <set>
 #include <string>
@@ -32,5 +34,8 @@ class QueryReader {
 
 /// Digits and nothing else, up to the largest uint64_t.
 std::optional<uint64_t> read_digits(std::string_view text);
+
+/// `Prefer: wait=N` (RFC 7240): seconds, at most 30; none where the client did not say.
+std::optional<std::chrono::seconds> read_wait(const httplib::Request& request);
 
 }  // namespace probebake

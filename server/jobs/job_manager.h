@@ -119,8 +119,8 @@ class JobManager {
     JobManager(const JobManager&) = delete;
     JobManager& operator=(const JobManager&) = delete;
 
-    /// Durable when it returns. Throws ServiceBusy, KeyReused, JobExpired, and IoError where the
-    /// scene cannot be read.
+    /// Durable when it returns. Throws ServiceBusy, KeyReused, JobExpired, DiskFull, and SpecError
+    /// where the scene cannot be read or the cubemaps do not fit into memory.
     Submitted submit(const JobRequest& request);
     std::optional<JobSnapshot> find(const std::string& id) const;
     /// Newest first.

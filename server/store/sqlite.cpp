@@ -32,8 +32,10 @@ Database::Database(const std::filesystem::path& path) : name_(path.filename().st
     constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX |
                            SQLITE_OPEN_NOFOLLOW | SQLITE_OPEN_EXRESCODE;
     const int code = ::sqlite3_open_v2(path.c_str(), &connection_, kFlags, nullptr);
-    if (code == SQLITE_OK) return;
-    const std::string problem = ::sqlite3_errstr(code);
+    // Of a file without permission to write SQLite opens what it may.
+    const bool read_only = code == SQLITE_OK && ::sqlite3_db_readonly(connection_, "main") == 1;
+    if (code == SQLITE_OK && !read_only) return;
+    const std::string problem = read_only ? "it may only be read" : ::sqlite3_errstr(code);
     ::sqlite3_close(connection_);
     throw IoError(name_, "cannot be opened: " + problem);
 }

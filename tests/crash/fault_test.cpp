@@ -14,6 +14,26 @@ struct Fault {
     int operations;  // about as many as the workload has
 };
 
+struct Outcome {
+    int code = 0;  // of the workload; -2: it does not end
+    std::string said;
+    int verdict = test::kKept;  // about what it left, without the fault
+};
+
+/// The workload in a folder of its own, its n-th operation of that kind failing.
+Outcome run_with_fault(const std::string& kind, int n, int jobs) {
+    const TempFolder folder;
+    const std::string data = (folder.path() / "data").string();
+    const std::string ack = (folder.path() / "ack").string();
+    Process workload(
+        folder.path() / "workload", {data, ack, std::to_string(jobs)},
+        test::shimmed(PROBEBAKE_WORKLOAD,
+                      {"SHIM_ROOT=" + data, "SHIM_FAIL=" + kind + ":" + std::to_string(n)}));
+    const int code = workload.wait().value_or(-2);
+    return {code, workload.err(),
+            test::check_store(data, test::read_promises(test::read_text(ack)), true)};
+}
+
 class FaultTest : public testing::TestWithParam<Fault> {};
 
 TEST_P(FaultTest, NothingThatWasPromisedIsLost) {
@@ -29,27 +49,16 @@ TEST_P(FaultTest, NothingThatWasPromisedIsLost) {
     const int enough = std::max(2, 32 / step);
     int in_a_row = 0;
     for (int n = 1; in_a_row < enough && n < 5000; n += step) {
-        const TempFolder folder;
-        const std::string data = (folder.path() / "data").string();
-        const std::string ack = (folder.path() / "ack").string();
-        Process workload(
-            folder.path() / "workload", {data, ack, "8"},
-            test::shimmed(PROBEBAKE_WORKLOAD,
-                          {"SHIM_ROOT=" + data, "SHIM_FAIL=" + kind + ":" + std::to_string(n)}));
-        const std::optional<int> code = workload.wait();
-        ASSERT_TRUE(code == 0 || code == 3 || code == 74)
-            << "step " << n << ": " << code.value_or(-2) << workload.err();
+        const auto [code, said, verdict] = run_with_fault(kind, n, 8);
+        ASSERT_TRUE(code == 0 || code == 3 || code == 74) << "step " << n << ": " << code << said;
         if (code != 0) {
-            const std::string said = workload.err();
             EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
         }
         refused += code == 3 ? 1 : 0;
         ended += code == 74 ? 1 : 0;
         unharmed += code == 0 ? 1 : 0;
         in_a_row = code == 0 ? in_a_row + 1 : 0;
-        EXPECT_EQ(test::check_store(data, test::read_promises(test::read_text(ack)), true),
-                  test::kKept)
-            << "step " << n;
+        EXPECT_EQ(verdict, test::kKept) << "step " << n;
     }
     std::cout << kind << ": " << refused << " times refused with an error, " << ended
               << " times ended to recover, " << unharmed << " times unharmed\n";
@@ -65,20 +74,11 @@ TEST(FailedSync, C9_IsNeverTriedAgain) {
     // The 4th and the 8th are SQLite's own of the folder, whose outcome it does not look at; the
     // 11th is ours of the same folder.
     for (const int n : {1, 2, 3, 5, 11, 13, 21, 34, 55, 89}) {
-        const TempFolder folder;
-        const std::string data = (folder.path() / "data").string();
-        const std::string ack = (folder.path() / "ack").string();
-        Process workload(
-            folder.path() / "workload", {data, ack, "40"},
-            test::shimmed(PROBEBAKE_WORKLOAD,
-                          {"SHIM_ROOT=" + data, "SHIM_FAIL=fsync:" + std::to_string(n)}));
-        const int code = workload.wait().value_or(-2);
+        const auto [code, said, verdict] = run_with_fault("fsync", n, 40);
         ++tried;
         ended += code == 74 ? 1 : 0;
         EXPECT_NE(code, 0) << "fsync " << n << " failed, and it went on";
-        EXPECT_EQ(test::check_store(data, test::read_promises(test::read_text(ack)), true),
-                  test::kKept)
-            << n;
+        EXPECT_EQ(verdict, test::kKept) << "fsync " << n;
     }
     std::cout << ended << " of " << tried << " ended to recover\n";
     EXPECT_GE(ended, 7);

@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "http/file_answer.h"
+#include "http/query.h"
 #include "io/sha256.h"
 #include "running_service.h"
 
@@ -107,6 +108,23 @@ TEST(ApiWaiting, ASubmissionMayWaitForItsEnd) {
             service.post("/v1/bakes", {{"Prefer", none}}, test::costly_request(500, 8)).status, 202)
             << none;
     }
+}
+
+TEST(ApiWaiting, NobodyWaitsForLongerThanThirtySeconds) {
+    const auto seconds = [](const std::string& prefer) {
+        httplib::Request request;
+        request.set_header("Prefer", prefer);
+        const auto time = read_wait(request);
+        return time ? time->count() : -1;
+    };
+    EXPECT_EQ(seconds("wait=0"), 0);
+    EXPECT_EQ(seconds("wait=29"), 29);
+    EXPECT_EQ(seconds("wait=30"), 30);
+    EXPECT_EQ(seconds("wait=31"), 30);
+    EXPECT_EQ(seconds("respond-async, wait=3600"), 30);
+    EXPECT_EQ(seconds("wait=18446744073709551615"), 30);
+    EXPECT_EQ(seconds("wait=-1"), -1);
+    EXPECT_EQ(seconds("respond-async"), -1);
 }
 
 TEST(ApiWaiting, AStatusHasATagAndMayBeWaitedFor) {

@@ -71,11 +71,11 @@ class OpenApiCheck {
         const Json& responses = operations_[*match.route]->at("responses");
         const std::string code = std::to_string(status);
         const Json& response = resolve(responses.at(responses.contains(code) ? code : "default"));
+        const std::string answer = method + " " + target + " " + code + ": header ";
         for (const std::string& header : headers) {
             if (kOfAll.contains(header)) continue;
             if (!response.contains("headers") || !response["headers"].contains(header)) {
-                problems.push_back(method + " " + target + " " + code + ": header " + header +
-                                   " is not described");
+                problems.push_back(answer + header + " is not described");
             }
         }
         return problems;

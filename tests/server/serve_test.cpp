@@ -259,6 +259,45 @@ TEST_F(ServeTest, OneServicePerDataDirectoryAndPort) {
     EXPECT_NE(same_port.err.find("cannot listen on 127.0.0.1:" + port), std::string::npos);
 }
 
+/// Takes from everybody, or gives everybody, the right to write in the folder.
+void allow_writing(const fs::path& folder, bool allowed) {
+    const fs::perms all = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+    const fs::perm_options how = allowed ? fs::perm_options::add : fs::perm_options::remove;
+    fs::permissions(folder, all, how);
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        fs::permissions(entry.path(), all, how);
+    }
+}
+
+// Permissions do not bind root, who runs the service as nobody here.
+TEST_F(ServeTest, AFolderThatCannotBeWrittenIsRefusedInOneLine) {
+    serve();
+    service_->signal(SIGTERM);
+    ASSERT_EQ(service_->wait(), 0) << service_->err();
+    fs::copy_file(PROBEBAKE_BINARY, path("probebake"));  // where nobody can reach it
+    fs::permissions(folder_.path(), fs::perms(0755));
+    const auto expect_refused = [&](const std::string& data, const std::string& reason) {
+        std::vector<std::string> args = serve_args();
+        args[4] = data;
+        Process::Program program{path("probebake")};
+        if (::geteuid() == 0) {
+            args.insert(args.begin(), {"--reuid=65534", "--clear-groups", program.path});
+            program.path = "/usr/bin/setpriv";
+        }
+        Process process(folder_.path() / "refused", args, program);
+        EXPECT_EQ(process.wait(), 1) << data;
+        EXPECT_EQ(process.err(), "probebake: " + reason + "\n");
+    };
+    allow_writing(path("data"), false);
+    expect_refused(path("data"),
+                   path("data") + ": cannot be used for data: lock: Permission denied");
+    expect_refused(path("data/new"),
+                   path("data/new") + ": cannot be used for data: Permission denied");
+    allow_writing(path("data"), true);
+    fs::permissions(path("data/probebake.sqlite"), fs::perms(0444));
+    expect_refused(path("data"), "probebake.sqlite: cannot be opened: it may only be read");
+}
+
 TEST_F(ServeTest, DoesNotExposeItselfUnasked) {
     const Ran ran = run(serve_args({"--host", "0.0.0.0"}));
     EXPECT_EQ(ran.code, 1);

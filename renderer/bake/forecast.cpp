@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "bake/bake_probe.h"
 #include "bake/learn.h"
@@ -36,40 +37,104 @@ constexpr double kLightBytesPerFace = 10.0;
 /// A lit state is tried in its own light where making it casts no more rays than these (some
 /// seconds), else unlit.
 constexpr double kLightingTriedRays = 6e6;
-/// How far a range of seconds goes to both sides.
+/// Paths that are tried in a state at most (some seconds): what more of them a target takes is told
+/// by the error that these leave.
+constexpr double kMostTriedPaths = 3e6;
+/// How far a range of seconds goes to both sides, and where more paths are needed than are tried.
 constexpr double kSecondsFactor = 2.0;
+constexpr double kExtrapolatedFactor = 4.0;
 
 double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Some probes of the job in one state, with small faces, and its share of the ray budget. Without
-/// atlases: they need whole grids.
-JobSpec part_of(const Scene& scene, const JobSpec& job, const LightingState& state) {
+/// Some probes of a job.
+struct Part {
+    JobSpec job;
+    /// Of the paths that it may take, how many times as many the job leaves it; 1: it is not held
+    /// back.
+    double held_back = 1.0;
+};
+
+/// Of the rays of the job, budget or target, the part gets its share, and no more paths than are
+/// tried at most.
+void share_rays(Part& part, const JobSpec& job, double share, double share_of_cubemap,
+                bool through_media) {
+    QualityTarget& target = part.job.quality.targets.front();
+    const auto least = static_cast<double>(2 * pixel_count(part.job));
+    double allowed = std::numeric_limits<double>::infinity();
+    if (job.budget.rays) allowed = std::ceil(share * static_cast<double>(*job.budget.rays));
+    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
+        target.value = std::max(std::ceil(share_of_cubemap * target.value), 1.0);
+        const double probes = static_cast<double>(part.job.probes.size());
+        allowed = std::min(allowed, target.value * probes);
+    }
+    const double most = std::max(kMostTriedPaths, least);
+    if (through_media && allowed > most) {
+        part.held_back = allowed / most;
+        allowed = most;
+        part.job.quality.evidence.audit = true;  // the error tells what is missing
+    }
+    if (std::isfinite(allowed)) part.job.budget.rays = static_cast<uint64_t>(allowed);
+}
+
+/// In one state, with small faces. Without atlases: they need whole grids.
+Part part_of(const Scene& scene, const JobSpec& job, const LightingState& state) {
+    const bool through_media = sees_media(scene, state);
     PartLimits limits = kOfRays;
-    if (sees_media(scene, state)) {
+    if (through_media) {
         const bool ssim = has_target(job.quality, QualityTarget::Metric::kSsim);
         limits = ssim ? kOfPathsForSsim : kOfPaths;
     }
-    JobSpec part = job;
-    part.states = {state};
-    part.probes.clear();
-    part.grids.clear();
-    part.products.ddgi = false;
+    Part part{.job = job};
+    part.job.states = {state};
+    part.job.probes.clear();
+    part.job.grids.clear();
+    part.job.products.ddgi = false;
     const size_t count =
         std::clamp<size_t>(job.probes.size() / limits.one_of, 1, limits.most_probes);
     for (size_t i = 0; i < count; ++i) {
-        part.probes.push_back(job.probes[(2 * i + 1) * job.probes.size() / (2 * count)]);
-        ProbeSpec& probe = part.probes.back();
+        part.job.probes.push_back(job.probes[(2 * i + 1) * job.probes.size() / (2 * count)]);
+    }
+    const auto whole_faces = static_cast<double>(pixel_count(part.job));
+    for (ProbeSpec& probe : part.job.probes) {
         probe.face_size_px = std::min(probe.face_size_px, limits.largest_face_px);
     }
-    const double share =
-        static_cast<double>(pixel_count(part)) / static_cast<double>(pixel_count(job));
-    if (part.budget.rays) {
-        part.budget.rays =
-            static_cast<uint64_t>(std::ceil(share * static_cast<double>(*part.budget.rays)));
-    }
+    const auto pixels = static_cast<double>(pixel_count(part.job));
+    share_rays(part, job, pixels / static_cast<double>(pixel_count(job)), pixels / whole_faces,
+               through_media);
     return part;
+}
+
+/// How many times the paths of a probe its targets take: errors of paths fall with their number.
+double missing_paths(const QualitySpec& quality, const ProbeResult& result) {
+    std::optional<double> missing;
+    for (const QualityTarget& target : quality.targets) {
+        const auto error = error_size(target.metric, result.certificate.error);
+        const auto allowed = largest_size(target);
+        if (!error || !allowed) continue;
+        double its = error->value / *allowed;
+        if (target.metric == QualityTarget::Metric::kSsim) {  // saturates
+            const auto variance = [](double lost) { return lost / std::max(1e-3, 1.0 - lost); };
+            its = variance(error->value) / variance(*allowed);
+        }
+        const bool all = quality.require == Require::kAll;
+        missing = !missing ? its : (all ? std::max(*missing, its) : std::min(*missing, its));
+    }
+    return missing.value_or(1.0);
+}
+
+/// What the paths that were held back would add to the seconds, as a factor.
+double extrapolated(const Part& part, std::span<const ProbeResult> results) {
+    double tried = 0.0;
+    double wanted = 0.0;
+    for (const ProbeResult& result : results) {
+        const bool of_rays = only_target(part.job.quality, QualityTarget::Metric::kRays);
+        const double missing = of_rays ? part.held_back : missing_paths(part.job.quality, result);
+        tried += result.wall_seconds;
+        wanted += result.wall_seconds * std::clamp(missing, 1.0, part.held_back);
+    }
+    return tried > 0.0 ? wanted / tried : 1.0;
 }
 
 /// Shadow and sky rays of lighting a state; 0 where it is not lit.
@@ -98,8 +163,9 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
         const double rays =
             lighting_rays(scene, state, plan.light_bytes / std::max<uint64_t>(lit, 1));
         const bool unlit = rays > kLightingTriedRays;
-        const JobSpec part =
+        const Part part_with_limit =
             part_of(scene, job, unlit ? LightingState(LightingState::kAlbedo) : state);
+        const JobSpec& part = part_with_limit.job;
         const Clock::time_point lighting_begin = Clock::now();
         const ReadyState ready = light_state(scene, part, 0, cancel, skies);
         // A cache has this light from now on.
@@ -127,7 +193,9 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
         learn(pilot, part.quality, std::span(results).first(teaching));
         tbb::parallel_for(teaching, results.size(), bake);
         const double scale = pixels / static_cast<double>(pixel_count(part));
-        forecast.seconds += scale * seconds_since(render_begin);
+        const double more = extrapolated(part_with_limit, results);
+        forecast.extrapolated = forecast.extrapolated || more > 1.5;
+        forecast.seconds += scale * more * seconds_since(render_begin);
         for (const ProbeResult& result : results) {
             for (const ProductFile& file : result.files) {
                 bytes += scale * static_cast<double>(file.size_bytes);
@@ -147,12 +215,12 @@ Forecast make_forecast(const Scene& scene, const JobSpec& job, const Plan& plan,
 }
 
 Json write_forecast(const Forecast& forecast) {
-    return {
-        {"seconds", forecast.seconds},
-        {"seconds_range", {forecast.seconds / kSecondsFactor, forecast.seconds * kSecondsFactor}},
-        {"lighting_seconds", forecast.lighting_seconds},
-        {"memory_bytes", forecast.memory_bytes},
-        {"output_bytes", forecast.output_bytes}};
+    const double factor = forecast.extrapolated ? kExtrapolatedFactor : kSecondsFactor;
+    return {{"seconds", forecast.seconds},
+            {"seconds_range", {forecast.seconds / factor, forecast.seconds * factor}},
+            {"lighting_seconds", forecast.lighting_seconds},
+            {"memory_bytes", forecast.memory_bytes},
+            {"output_bytes", forecast.output_bytes}};
 }
 
 }  // namespace probebake

@@ -1,6 +1,7 @@
 // What bakes through media promise, against renders of many more paths.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "bake/forecast.h"
@@ -172,6 +173,26 @@ TEST_F(MediaPromises, ForecastsOfSsimAreMadeWithWindows) {
         bytes += static_cast<double>(result.files.front().size_bytes);
     }
     EXPECT_NEAR(static_cast<double>(forecast.output_bytes) / bytes, 1.0, 0.25);
+}
+
+/// A check must not take as long as the bake: what it does not trace is told by what it leaves.
+TEST_F(MediaPromises, ForecastsOfManyPathsTraceSome) {
+    const auto seconds_of = [&](const Json& targets) {
+        const JobSpec job = read_job(many_probes(day_request(targets)));
+        const auto start = std::chrono::steady_clock::now();
+        const Forecast forecast = make_forecast(scene_, job, make_plan(scene_, job), 2, cancel_);
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        EXPECT_LT(took.count(), 120.0) << targets;
+        return forecast;
+    };
+    const Forecast some = seconds_of({{"rmse", 0.03}});
+    const Forecast many = seconds_of({{"rmse", 0.0003}});
+    EXPECT_FALSE(some.extrapolated);
+    EXPECT_TRUE(many.extrapolated);
+    const double ratio = many.seconds / some.seconds;  // 10⁴ times the paths
+    EXPECT_GT(ratio, 1e3);
+    EXPECT_LT(ratio, 1e5);
+    EXPECT_TRUE(seconds_of({{"rays", 1'000'000'000}}).extrapolated);
 }
 
 TEST_F(MediaPromises, CurveOfIrradianceTellsWhatCubemapsAreWrongBy) {

@@ -70,7 +70,9 @@ constexpr int kProbes = 48;
 Json many_probes(Json request) {
     request["probes"]["list"].clear();
     for (int i = 0; i < kProbes; ++i) {
-        const Vec3 p(-7.0 + 2.3 * (i % 4), 7.0 + 1.9 * (i / 4 % 3), 4.0 + 2.9 * (i / 12));
+        const int row = i / 4 % 3;
+        const int layer = i / 12;
+        const Vec3 p(-7.0 + 2.3 * (i % 4), 7.0 + 1.9 * row, 4.0 + 2.9 * layer);
         request["probes"]["list"].push_back(
             {{"id", "p" + std::to_string(i)}, {"position_m", {p.x, p.y, p.z}}});
     }

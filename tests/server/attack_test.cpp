@@ -51,7 +51,8 @@ uint64_t resident_bytes() {
 
 /// Whether the service still answers, and quickly.
 void expect_well(const RunningService& service) {
-    EXPECT_LT(test::seconds_of([&] { EXPECT_EQ(service.get("/healthz").status, 200); }), 1.0);
+    EXPECT_LT(test::seconds_of([&] { EXPECT_EQ(service.get("/healthz").status, 200); }),
+              test::patient(1.0));
 }
 
 TEST(Attack, ChunkedBodiesAreRefusedUnread) {
@@ -262,7 +263,8 @@ TEST(Attack, ClientsThatDoNotReadAreCutOff) {
     options.port = 0;
     options.pool.workers = 1;
     options.connection.answer_time = 300ms;
-    options.connection.min_answer_bytes_per_second = uint64_t{16} << 20;
+    options.connection.min_answer_bytes_per_second =
+        (uint64_t{16} << 20) / test::patient(uint64_t{1});
     const HttpServer server(
         options,
         [](const httplib::Request& request, httplib::Response& response,

@@ -12,6 +12,7 @@
 #include "net_jobs.h"
 #include "openapi_check.h"
 #include "service.h"
+#include "support/sanitized.h"
 
 namespace probebake::test {
 
@@ -93,7 +94,7 @@ class RunningService {
     }
     /// Until `reached` says so, at most this long; the status then.
     Json wait(const std::string& id, const std::function<bool(const Json&)>& reached,
-              std::chrono::seconds at_most = std::chrono::seconds(300)) const {
+              std::chrono::seconds at_most = patient(std::chrono::seconds(300))) const {
         const auto end = std::chrono::steady_clock::now() + at_most;
         for (;;) {
             Json now = status(id);

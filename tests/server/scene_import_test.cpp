@@ -9,6 +9,7 @@
 #include "running_service.h"
 #include "scene/gltf_writer.h"
 #include "scene_import_fixture.h"
+#include "support/sanitized.h"
 
 namespace probebake {
 namespace {
@@ -179,7 +180,7 @@ TEST_F(SceneImportTest, AJobWhoseSceneIsImportedIsCancelledWithinASecond) {
                   EXPECT_EQ(service.post("/v1/bakes/" + id + ":cancel").status, 202);
                   EXPECT_EQ(service.wait_until_ended(id).at("state"), "CANCELLED");
               }),
-              1.0);
+              test::patient(1.0));
 }
 
 TEST_F(SceneImportTest, TheJobFailsWithTheReasonAndTheServiceGoesOn) {

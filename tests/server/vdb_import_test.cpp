@@ -2,6 +2,7 @@
 #include <openvdb/openvdb.h>
 
 #include "scene_import_fixture.h"
+#include "support/sanitized.h"
 
 namespace probebake {
 namespace {
@@ -24,6 +25,10 @@ TEST_F(SceneImportTest, DamagedVdbFilesEndWithAReason) {
                      R"({"type": "generator", "generator": "box", "size": 16, "media": [)"
                      R"({"type": "vdb", "file": "cloud.vdb", "grid": "density",)"
                      R"( "scattering_per_m": [1, 1, 1]}]})");
+    EXPECT_EQ(refusal(read_scene_file(path("cloud.json")), process()), "");
+    if (test::thread_sanitized()) {
+        GTEST_SKIP() << "the sanitizer reports allocations of damaged sizes, which would throw";
+    }
     expect_damage_is_told("cloud.json", "cloud.vdb", test::read_text(path("cloud.vdb")));
 }
 

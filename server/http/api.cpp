@@ -84,7 +84,9 @@ void Api::handle(const httplib::Request& request, httplib::Response& response,
 void Api::root(const Call& call) {
     QueryReader(call.request).refuse_unknown();
     Json paths = Json::array();
-    for (const auto& [method, pattern] : route_names()) paths.push_back(method + " " + pattern);
+    for (const auto& [method, pattern] : route_names()) {
+        paths.push_back(std::string(method).append(" ").append(pattern));
+    }
     answer_json({{"service", "probebake"},
                  {"version", provenance(parts_.threads).at("version")},
                  {"paths", std::move(paths)}},

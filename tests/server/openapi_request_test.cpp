@@ -159,7 +159,8 @@ class Comparison {
             described[place].insert(key);
         for (const auto& [key, part] : value.items()) {
             ASSERT_TRUE(schema["properties"].contains(key)) << pointer << "/" << key;
-            of(schema["properties"][key], part, pointer + "/" + key, place + "/" + key);
+            const std::string below = "/" + key;
+            of(schema["properties"][key], part, pointer + below, place + below);
         }
     }
     void of_number(const Json& schema, const Json& value, const std::string& pointer) const {

@@ -57,16 +57,25 @@ int locked(const fs::path& folder) {
     return fd;
 }
 
-void make_folders(const DataFolder& data) {
+/// Makes a folder in the data folder where it is not yet; it must be one to write in.
+void make_folder(const DataFolder& data, const fs::path& folder) {
     std::error_code error;
-    fs::create_directory(data.temporary(), error);
-    if (!error) fs::create_directory(data.files(), error);
-    if (!error) fs::create_directory(data.scenes(), error);
-    constexpr const char* kDigits = "0123456789abcdef";
-    for (int i = 0; i < 256 && !error; ++i) {
-        fs::create_directory(data.files() / std::string{kDigits[i / 16], kDigits[i % 16]}, error);
-    }
+    fs::create_directory(folder, error);
     if (error) refuse(data.path(), error.message());
+    if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+    const char* problem = std::strerror(errno);
+    refuse(data.path(), folder.lexically_relative(data.path()).string() + ": " + problem);
+}
+
+void make_folders(const DataFolder& data) {
+    make_folder(data, data.temporary());
+    make_folder(data, data.files());
+    make_folder(data, data.scenes());
+    constexpr const char* kDigits = "0123456789abcdef";
+    for (int i = 0; i < 256; ++i) {
+        make_folder(data, data.files() / std::string{kDigits[i / 16], kDigits[i % 16]});
+    }
+    std::error_code error;
     for (fs::directory_iterator at(data.temporary(), error), end; !error && at != end;
          at.increment(error)) {
         fs::remove_all(at->path(), error);

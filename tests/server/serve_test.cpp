@@ -294,6 +294,12 @@ TEST_F(ServeTest, AFolderThatCannotBeWrittenIsRefusedInOneLine) {
     expect_refused(path("data/new"),
                    path("data/new") + ": cannot be used for data: Permission denied");
     allow_writing(path("data"), true);
+    for (const std::string folder : {"files", "files/a7", "scenes", "temporary"}) {
+        allow_writing(path("data/" + folder), false);
+        expect_refused(path("data"), path("data") + ": cannot be used for data: " + folder +
+                                         ": Permission denied");
+        allow_writing(path("data/" + folder), true);
+    }
     fs::permissions(path("data/probebake.sqlite"), fs::perms(0444));
     expect_refused(path("data"), "probebake.sqlite: cannot be opened: it may only be read");
 }

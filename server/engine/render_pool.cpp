@@ -77,7 +77,7 @@ void RenderPool::run_unit(Lane& lane, size_t index) {
         failure = std::current_exception();
     }
     const std::lock_guard lock(mutex_);
-    if (failure && !lane.failure) lane.failure = failure;
+    if (!lane.failure) lane.failure = std::move(failure);
     --lane.under_way;
     --running_;
     start_units();

@@ -59,10 +59,10 @@ void SceneCache::load(const SceneFile& file, const std::string& key,
     }
     const std::lock_guard lock(mutex_);
     entry->scene = std::move(scene);
-    entry->failure = failure;
+    entry->failure = std::move(failure);
     entry->last_use = ++uses_;
     entry->loading = false;
-    if (failure) entries_.erase(key);  // the next one who asks tries again
+    if (entry->failure) entries_.erase(key);  // the next one who asks tries again
     changed_.notify_all();
 }
 

@@ -270,10 +270,13 @@ void fight(bool behind_proxy) {
     Battle battle{.port = service.port(), .behind_proxy = behind_proxy, .file = {}, .victim = {}};
     battle.file.target = "/v1/bakes/" + calm + "/probes/p0/albedo/cube.exr";
     battle.file.bytes = service.get(battle.file.target).second;
-    Json endless = test::costly_request(1, 8);
-    endless["probes"] = test::grid_request(50, 20, 50)["probes"];
+    Json endless = test::costly_request(1, 32);
+    endless["probes"] = test::grid_request(20, 10, 10)["probes"];
     battle.victim = service.submit(endless).value_or("");
     ASSERT_FALSE(battle.victim.empty());
+    // Both jobs that run at a time have their buffers before the attacks.
+    ASSERT_EQ(service.wait_until_ended(service.submit(request_of_bake()).value_or("")),
+              "SUCCEEDED");
     const uint64_t before = service.resident_bytes();
 
     uint64_t most = 0;

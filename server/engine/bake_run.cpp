@@ -10,12 +10,17 @@
 #include "bake/bake_probe.h"
 #include "bake/learn.h"
 #include "bake/probe_files.h"
-#include "engine/remaining_time.h"
 
 namespace probebake {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// What a standard deviation of the logarithm of units' seconds per pixel is expected to be.
+constexpr double kSpread = 0.5;
+constexpr double kSpreadThroughMedia = 2.0;
+/// What is left is told anew so often at most: it takes longer than the smallest units.
+constexpr double kTellLeftSeconds = 0.1;
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double>(to - from).count();
@@ -63,12 +68,10 @@ class BakeRun {
     void report_progress() {  // with mutex_ held
         const Clock::time_point now = Clock::now();
         progress_.seconds = seconds_between(start_, now);
-        if (baked_ > 0) {
-            const RemainingTime left = unit_times_.left(
-                seconds_between(render_begin_, now),
-                static_cast<double>(progress_.units - progress_.units_done), pixels_left_);
-            progress_.seconds_left = left.seconds;
-            progress_.seconds_left_interval = left.interval;
+        const bool is_told = progress_.seconds_left && progress_.units_done < progress_.units;
+        if (!is_told || seconds_between(told_, now) > kTellLeftSeconds) {
+            progress_.tell_what_is_left(now);
+            told_ = now;
         }
         if (params_.on_progress) params_.on_progress(progress_);
     }
@@ -137,11 +140,9 @@ class BakeRun {
     }
 
     void render() {
-        render_begin_ = Clock::now();
         results_ = params_.history.finished;
-        pixels_left_ = static_cast<double>(pixel_count(job_));
-        for (const auto& [i, result] : results_) pixels_left_ -= owned_pixels(result);
         const std::vector<size_t> units = units_to_bake();
+        start_times(units);
         // The audits of the first probes tell how wrong the others' predictions will be.
         const size_t first = teachers();
         render_units(units, [&](size_t i) { return i < first; });
@@ -152,8 +153,17 @@ class BakeRun {
     /// Units that others learn from, the first ones.
     size_t teachers() const { return probes_to_learn_from(job_) * job_.states.size(); }
 
-    double owned_pixels(const ProbeResult& result) const {
-        return static_cast<double>(owned_pixel_count(job_.probes[result.probe].face_size_px));
+    double owned_pixels(size_t unit) const {
+        const ProbeSpec& probe = job_.probes[unit / job_.states.size()];
+        return static_cast<double>(owned_pixel_count(probe.face_size_px));
+    }
+
+    void start_times(const std::vector<size_t>& units) {
+        double pixels = 0.0;
+        for (const size_t i : units) pixels += owned_pixels(i);
+        const std::lock_guard lock(mutex_);
+        progress_.times.start(Clock::now(), units.size(), pixels,
+                              plan_.media ? kSpreadThroughMedia : kSpread);
     }
 
     template <class Which>
@@ -170,6 +180,10 @@ class BakeRun {
         const UnitParams unit{.probe = i / job_.states.size(),
                               .out_of_time = out_of_time(),
                               .teaches = i < teachers()};
+        {
+            const std::lock_guard lock(mutex_);
+            progress_.times.begin_unit(i, owned_pixels(i), Clock::now());
+        }
         ProbeResult result;
         try {
             result =
@@ -189,6 +203,7 @@ class BakeRun {
     void fail(size_t i, const std::string& why) {
         const std::lock_guard lock(mutex_);
         failed_[i] = why;
+        progress_.times.end_unit(i, Clock::now(), false);
     }
 
     void learn_from(size_t units) {
@@ -246,9 +261,7 @@ class BakeRun {
         if (params_.sink) params_.sink(job_.probes[result.probe], result);
         for (ProductFile& file : result.files) std::vector<std::byte>().swap(file.bytes);
         if (baked_ == 0) first_unit_seconds_ = seconds_between(start_, Clock::now());
-        const double pixels = owned_pixels(result);
-        unit_times_.add(result.wall_seconds, pixels);
-        pixels_left_ -= pixels;
+        progress_.times.end_unit(i, Clock::now(), true);
         results_[i] = std::move(result);
         ++baked_;
         ++progress_.units_done;
@@ -296,7 +309,6 @@ class BakeRun {
     JobSpec job_;  // with its probes placed
     const Clock::time_point start_ = Clock::now();
     Clock::time_point begin_ = start_;
-    Clock::time_point render_begin_ = start_;
     std::shared_ptr<const Scene> scene_;
     PlacesRecord places_;
     Plan plan_;
@@ -310,12 +322,18 @@ class BakeRun {
     std::map<size_t, std::string> failed_;
     uint64_t baked_ = 0;  // in this attempt
     BakeProgress progress_;
+    Clock::time_point told_ = start_;  // what is left
     double first_unit_seconds_ = 0.0;
-    UnitTimes unit_times_;
-    double pixels_left_ = 0.0;
 };
 
 }  // namespace
+
+void BakeProgress::tell_what_is_left(UnitTimes::TimePoint now) {
+    const std::optional<RemainingTime> left = times.left(now);
+    if (!left) return;
+    seconds_left = left->seconds;
+    seconds_left_interval = left->interval;
+}
 
 std::string_view name_of(BakePhase phase) {
     constexpr std::array<std::string_view, 5> kNames = {"loading", "lighting", "pilot", "rendering",

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "bake/report.h"
+#include "engine/remaining_time.h"
 #include "engine/render_pool.h"
 
 namespace probebake {
@@ -32,6 +33,9 @@ struct BakeProgress {
     double seconds = 0.0;                // since the bake began
     std::optional<double> seconds_left;  // expected, once units are done
     Interval seconds_left_interval;      // 95 %
+    UnitTimes times;                     // tell both anew at any later time
+
+    void tell_what_is_left(UnitTimes::TimePoint now);
 };
 
 /// Work units are counted probe by probe, states fastest; after them come the atlases of `ddgi`,

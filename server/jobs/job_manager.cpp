@@ -17,6 +17,8 @@ using namespace std::chrono_literals;
 
 /// How often is looked for jobs that are too old.
 constexpr auto kHouseInterval = 1s;
+/// What is left is told anew so often at most, however many ask.
+constexpr double kTellLeftSeconds = 0.2;
 
 double seconds_since(SteadyClock::time_point start) {
     return std::chrono::duration<double>(SteadyClock::now() - start).count();
@@ -210,7 +212,7 @@ std::vector<JobSnapshot> JobManager::list(const JobQuery& query) const {
     const std::lock_guard lock(mutex_);
     auto at = query.before ? by_age_.lower_bound(*query.before) : by_age_.end();
     while (at != by_age_.begin() && found.size() < query.count) {
-        const Job& job = *(--at)->second;
+        Job& job = *(--at)->second;
         if (query.state && job.seen.state != *query.state) continue;
         if (query.tenant && job.seen.tenant != *query.tenant) continue;
         found.push_back(snapshot(job));
@@ -417,18 +419,15 @@ JobManager::JobPtr JobManager::next_job() const {
     return next;
 }
 
-JobSnapshot JobManager::snapshot(const Job& job) const {
-    JobSnapshot seen = job.seen;
-    if (!job.running) return seen;
-    seen.progress.seconds = seconds_since(job.started);
-    if (seen.progress.seconds_left) {
-        const double since = seconds_since(job.progressed);
-        const auto later = [since](double seconds) { return std::max(0.0, seconds - since); };
-        Interval& interval = seen.progress.seconds_left_interval;
-        interval = {later(interval.low), later(interval.high)};
-        seen.progress.seconds_left = later(*seen.progress.seconds_left);
+JobSnapshot JobManager::snapshot(Job& job) const {
+    if (!job.running) return job.seen;
+    BakeProgress& progress = job.seen.progress;
+    progress.seconds = seconds_since(job.started);
+    if (progress.seconds_left && seconds_since(job.progressed) > kTellLeftSeconds) {
+        job.progressed = SteadyClock::now();
+        progress.tell_what_is_left(job.progressed);
     }
-    return seen;
+    return job.seen;
 }
 
 void JobManager::enter(Job& job, JobState state, const std::string& cause) {

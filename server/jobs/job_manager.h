@@ -193,7 +193,7 @@ class JobManager {
     bool clock_is_steady() const;
     uint64_t promised() const;
     JobPtr next_job() const;
-    JobSnapshot snapshot(const Job& job) const;
+    JobSnapshot snapshot(Job& job) const;
     void enter(Job& job, JobState state, const std::string& cause = {});
     void changed(Job& job);
     std::vector<JobPtr> expired() const;

@@ -162,7 +162,7 @@ class MediaPilot {
             std::array<Vec3, 2> sums{Vec3(0.0), Vec3(0.0)};
             Vec3 sum2(0.0);
             for (size_t which = 0; which < 2; ++which) {
-                for (int k = 0; k < paths; ++k) {
+                for (int k = 0; k < paths && !cancel_.cancelled(); ++k) {
                     const PixelPath name{key(2 + which, i), static_cast<uint32_t>(k)};
                     const Vec3 radiance =
                         pixel_path(*tracer_, places_[i].view, places_[i].owner, name, count)
@@ -193,10 +193,11 @@ class MediaPilot {
         for (const PlacePaths& paths : paths_) sum += std::sqrt(paths.variance);
         return sum / static_cast<double>(paths_.size());
     }
-    /// Paths per pixel that leave this noise.
+    /// Paths per pixel that leave this noise, as far as a render goes.
     double needed(double noise) const {
         const double ratio = mean_sigma() / noise;
-        return std::max(static_cast<double>(RenderSettings{}.samples), ratio * ratio);
+        return std::clamp(ratio * ratio, static_cast<double>(RenderSettings{}.samples),
+                          static_cast<double>(kMostPathsPerPixel));
     }
 
     void aim(Pilot& pilot, const std::optional<TimeBudget>& time) {
@@ -325,7 +326,7 @@ class MediaPilot {
         const double most =
             std::max(double{kLeastPaths}, kShare * expected / static_cast<double>(places_.size()));
         std::vector<int> points;
-        for (int n = 1; n <= most; n *= 4) {
+        for (int n = 1; n <= std::min<double>(most, kMostPathsPerPixel); n *= 4) {
             points.push_back(n);
             if (points.size() >= 5 && n > 2.0 * wanted) break;
         }
@@ -345,7 +346,7 @@ class MediaPilot {
             Vec3 sum(0.0);
             int k = 0;
             for (size_t p = 0; p < points.size(); ++p) {
-                for (; k < points[p]; ++k) {
+                for (; k < points[p] && !cancel_.cancelled(); ++k) {
                     const PixelPath name{key(4, i), static_cast<uint32_t>(k)};
                     sum += pixel_path(*tracer_, places_[i].view, places_[i].owner, name, count)
                                .radiance;

@@ -13,7 +13,6 @@ namespace {
 
 /// Where media have no end, first rays have one: where the request's own far_m ends.
 constexpr double kEndless_m = 1e9;
-constexpr int kMostSamples = 1 << 16;
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& why) {
     throw SpecError(SpecError::Kind::kUnacceptable, pointer, why);
@@ -193,7 +192,7 @@ CubemapRender render_through_media(const Scene& scene, const PathTracer& tracer,
                                    std::optional<uint64_t> path_limit, const CancelToken& cancel) {
     VolumeQuality quality{.target_rmse = settings.noise,
                           .first_samples = settings.samples,
-                          .most_samples = kMostSamples,
+                          .most_samples = kMostPathsPerPixel,
                           .most_paths = path_limit};
     if (path_limit) {
         const uint64_t per_pixel = *path_limit / owned_pixel_count(view.face_size_px);

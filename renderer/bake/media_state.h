@@ -17,6 +17,9 @@
 
 namespace probebake {
 
+/// No render takes more paths in a pixel, whatever its target.
+inline constexpr int kMostPathsPerPixel = 1 << 16;
+
 /// Whether the state's pixels are paths through media.
 bool sees_media(const Scene& scene, const LightingState& state);
 

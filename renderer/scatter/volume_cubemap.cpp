@@ -69,10 +69,11 @@ class Renderer {
         std::vector<PathCount> counts(6 * n);
         std::vector<double> seconds(counts.size());
         tbb::parallel_for(size_t{0}, counts.size(), [&](size_t row) {
-            if (cancel_.cancelled()) return;
             const auto start = std::chrono::steady_clock::now();
             for (size_t i = row * n; i < (row + 1) * n; ++i) {
-                while (states_[i].samples < wanted_[i]) add_path(i, counts[row]);
+                while (states_[i].samples < wanted_[i] && !cancel_.cancelled()) {
+                    add_path(i, counts[row]);
+                }
             }
             seconds[row] =
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

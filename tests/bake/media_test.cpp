@@ -3,8 +3,10 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <thread>
 
 #include "bake/media_fixture.h"
 #include "bake/report.h"
@@ -183,6 +185,48 @@ TEST_F(MediaBake, IrradianceAndSsimAreTargetsToo) {
         const ProbeResult result = bake(job);
         EXPECT_TRUE(result.target_met) << targets;
     }
+}
+
+TEST_F(MediaBake, WhatNoRenderReachesIsNotPilotedEither) {
+    Json request = day_request({{"psnr_db", 150}});
+    request["face_size_px"] = 1;
+    request["probes"]["list"].erase(1);
+    const JobSpec job = read_job(request);
+    const Pilot pilot = this->pilot(job);
+    EXPECT_LE(pilot.curve.back().settings.samples, kMostPathsPerPixel);
+    EXPECT_LE(pilot.search_cost.rays, 3 * kMostPathsPerPixel * 6);
+}
+
+TEST_F(MediaBake, PilotAndRenderEndSoonAfterACancellation) {
+    Json request = day_request({{"psnr_db", 90}});
+    request["face_size_px"] = 64;
+    const JobSpec job = read_job(request);
+    const ReadyState state = light_state(scene_, job, 0, cancel_);
+    const VolumeView view = volume_view(scene_, job.probes[0], 0);
+    const Pilot coarse = pilot(read_job(day_request()));
+    const RenderSettings settings{.kind = RendererKind::kPaths, .samples = kMostPathsPerPixel};
+    const auto seconds_after_cancellation =
+        [](const std::function<void(const CancelToken&)>& work) {
+            using Clock = std::chrono::steady_clock;
+            CancelToken cancel;
+            Clock::time_point at;
+            std::jthread later([&] {
+                std::this_thread::sleep_for(std::chrono::milliseconds(300));
+                at = Clock::now();
+                cancel.cancel();
+            });
+            EXPECT_THROW(work(cancel), Cancelled);
+            later.join();
+            return std::chrono::duration<double>(Clock::now() - at).count();
+        };
+    EXPECT_LT(seconds_after_cancellation([&](const CancelToken& cancel) {
+                  run_pilot(scene_, job, make_plan(scene_, job), state, cancel);
+              }),
+              1.0);
+    EXPECT_LT(seconds_after_cancellation([&](const CancelToken& cancel) {
+                  render_through_media(scene_, *coarse.media->tracer, view, settings, {}, cancel);
+              }),
+              1.0);
 }
 
 TEST_F(MediaBake, EmissionIsSeenThroughMedia) {

@@ -58,27 +58,41 @@ double rays_of(const AuditSpec& spec, size_t i) {
     return 2.0 * grid * grid;
 }
 
+/// To the sum 1; empty where all are 0.
+void normalise(std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values) sum += value;
+    if (!(sum > 0.0)) return values.clear();
+    for (double& value : values) value /= sum;
+}
+
 /// Probability of every stored pixel to be drawn.
 std::vector<double> draw_probabilities(const AuditSpec& spec) {
     const int n = spec.as_written.face_size();
     const Weighting weighting = spec.drawn_for_sh ? Weighting::kSolidAngle : spec.weighting;
-    std::vector<double> probability(spec.aux.size());
     std::vector<double> without(spec.aux.size());
-    double sum = 0.0;
-    double sum_without = 0.0;
-    for (size_t i = 0; i < probability.size(); ++i) {
+    std::vector<double> expected(spec.aux.size());
+    std::vector<double> hidden(spec.hidden.size());
+    for (size_t i = 0; i < without.size(); ++i) {
         const CubePixel pixel = pixel_at(i, n);
-        const double error = predicted(spec, i, pixel);
+        const auto by = [&](double error) {
+            return without[i] * pixel_weight(weighting, pixel, n) *
+                   (spec.drawn_for_sh ? std::sqrt(error) : error);
+        };
         without[i] = 1.0 / std::sqrt(rays_of(spec, i));
-        probability[i] = without[i] * pixel_weight(weighting, pixel, n) *
-                         (spec.drawn_for_sh ? std::sqrt(error) : error);
-        sum += probability[i];
-        sum_without += without[i];
+        expected[i] = by(predicted(spec, i, pixel));
+        if (!hidden.empty()) hidden[i] = by(spec.hidden[i]);
     }
+    normalise(without);
+    normalise(expected);
+    normalise(hidden);
+    const double kinds = (expected.empty() ? 0.0 : 1.0) + (hidden.empty() ? 0.0 : 1.0);
+    if (kinds == 0.0) return without;
+    std::vector<double> probability = without;
     for (size_t i = 0; i < probability.size(); ++i) {
-        const double share = sum > 0.0 ? kUniformShare : 1.0;
-        probability[i] = share * without[i] / sum_without +
-                         (sum > 0.0 ? (1.0 - share) * probability[i] / sum : 0.0);
+        const double seen =
+            (expected.empty() ? 0.0 : expected[i]) + (hidden.empty() ? 0.0 : hidden[i]);
+        probability[i] = kUniformShare * without[i] + (1.0 - kUniformShare) * seen / kinds;
     }
     return probability;
 }
@@ -170,8 +184,10 @@ class AuditRun {
             differences[i] = {pixel, (Vec3(value) - mean) / probability[drawn[i]]};
         });
         audit_.error.mse = mean_of(errors);
-        if (spec_.rel_mse) audit_.error.rel_mse = relative_error(drawn, truths, weights);
         audit_.pixels = drawn.size();
+        audit_.error.mse.told = rays_told();
+        audit_.error.mse.largest = std::pow(spec_.largest_radiance / spec_.exposure, 2);
+        if (spec_.rel_mse) audit_.error.rel_mse = relative_error(drawn, truths, weights);
         audit_.predicted = mean_prediction();
         if (!spec_.sh) return;
         audit_.sh = audit_sh(differences, n_);
@@ -194,13 +210,28 @@ class AuditRun {
                     (3.0 * spec_.exposure * static_cast<double>(drawn.size()));
         }
         const double floor = relative_floor(mean);
+        const auto bounded = [&](Estimate estimate) {
+            estimate.told = audit_.error.mse.told;
+            estimate.largest = floor > 0.0 ? audit_.error.mse.largest / floor : 0.0;
+            return estimate;
+        };
         std::vector<double> errors(drawn.size());
         for (size_t i = 0; i < drawn.size(); ++i) {
             const Rgb& value = spec_.as_written.at(pixel_at(drawn[i], n_));
             errors[i] =
                 weights[i] * relative_squared_error(value, truths[i], spec_.exposure, floor);
         }
-        return mean_of(errors);
+        return bounded(mean_of(errors));
+    }
+
+    /// Rays of render and audit: had they met something that differs, they would have shown it.
+    uint64_t rays_told() const {
+        double rays = static_cast<double>(audit_.cost.all_rays());
+        for (size_t i = 0; i < spec_.aux.size(); ++i) {
+            const CubePixel pixel = pixel_at(i, n_);
+            if (owner_of(pixel, n_) == pixel) rays += static_cast<double>(spec_.aux[i].samples);
+        }
+        return static_cast<uint64_t>(rays);
     }
 
     static Estimate mean_of(const std::vector<double>& values) {

@@ -2,7 +2,8 @@
 //
 // Stored pixels are drawn with replacement with probabilities p: half without, half in proportion
 // to a predicted squared error (the hybrid renderer's own; of others contrast with the neighbours,
-// divided by the rays kept), both over the root of what auditing the pixel costs. Each is compared,
+// divided by the rays kept) and to what may be hidden (hidden_light.h), a quarter each where there
+// is both; all over the root of what auditing the pixel costs. Each is compared,
 // as the written file holds it, with two independent means r1, r2 of stratified leaf rays, so many
 // that they are about as noisy as the pixel is wrong: about 1.1 √rays a side for a pixel of so many
 // rays. e = weight · (a − r1)(a − r2) / (N p) is an unbiased estimate of the mean squared error
@@ -52,7 +53,11 @@ struct AuditSpec {
     TruthOf truth;
     const Cubemap& as_written;
     std::span<const PixelAux> aux;
+    /// Squared errors per stored pixel that the rays of the render do not tell of; or none.
+    std::span<const double> hidden = {};
     double exposure = 1.0;
+    /// Of all that the state may show: what a pixel that looks right may be wrong by.
+    double largest_radiance = 0.0;
     /// Whether the truth is the 4 × 4 reference, of 16 rays whatever the grid.
     bool reference_rays = false;
     /// Rays per side of r1 and r2; none: as many as each pixel needs, at most the largest.

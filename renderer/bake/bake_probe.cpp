@@ -36,6 +36,11 @@ constexpr double kLeafRaysConfidence = 0.7;
 constexpr int kLargestPathGrid = 64;
 constexpr int kLeastPathGrid = 2;
 constexpr int kLeastAuditPixels = 12;
+/// Of all probes of a job together, which have nothing else to tell them.
+constexpr size_t kLeastPixelsOfJob = 128;
+/// Of an audit's rays, how many more look for hidden light; but at least so many.
+constexpr double kHiddenLightShare = 0.25;
+constexpr double kLeastHiddenLightRays = 256.0;
 /// Of an audit's rays, for pixels, where only windows decide.
 constexpr double kPixelsBesideWindows = 0.2;
 constexpr int kPixelsBesideWindowsAtLeast = 2;
@@ -121,6 +126,7 @@ class Unit {
     /// gets more of them.
     void refine_until_good() {
         HybridCubemap cubemap(render_scene_, origin_, probe_.face_size_px, cancel_);
+        reveal_hidden_light(cubemap);
         const std::vector<double> weights = weights_of_owned_pixels();
         double goal = *first_goal();
         double price = cubemap.largest_gain();
@@ -157,6 +163,14 @@ class Unit {
             }
             goal = predicted * next_step();
         }
+    }
+
+    void reveal_hidden_light(HybridCubemap& cubemap) {
+        const auto pixels = static_cast<double>(owned_pixel_count(probe_.face_size_px));
+        take(cubemap.render());
+        const uint64_t key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec)});
+        const std::vector<double> found = hidden(pixels, key, result_.decision_cost);
+        if (!found.empty()) cubemap.reveal(found);
     }
 
     bool may_look_harder() const {
@@ -422,17 +436,21 @@ class Unit {
             ssim_lost = path_noise().ssim_lost();
         }
         const WindowDraws windows = window_draws(rays, ssim_lost, key);
+        CostStats search_cost;
+        const std::vector<double> hidden = this->hidden(rays, key, search_cost);
         AuditSpec spec{
             .truth = truth(),
             .as_written = as_written_,
             .aux = render_.aux,
+            .hidden = hidden,
             .exposure = pilot_.exposure,
+            .largest_radiance = pilot_.largest_radiance,
             .reference_rays = job_.quality.against == Against::kReference,
             .largest_truth_grid = through_media() ? kLargestPathGrid : kTruthGrids.back(),
             .weighting = job_.quality.weighting,
             .pixels = job_.quality.evidence.pixels_per_probe,
             .rays = windows_alone ? kPixelsBesideWindows * rays : rays,
-            .least_pixels = windows_alone ? kPixelsBesideWindowsAtLeast : kLeastAuditPixels,
+            .least_pixels = windows_alone ? kPixelsBesideWindowsAtLeast : least_audit_pixels(),
             .most_pixels = static_cast<int>(render_.aux.size()),
             .windows = windows.count,
             .window_grid = windows.grid,
@@ -447,7 +465,27 @@ class Unit {
             spec.truth_grid = grid;
             spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
         }
-        return audit_cubemap(spec, cancel_);
+        Audit audit = audit_cubemap(spec, cancel_);
+        audit.cost += search_cost;
+        return audit;
+    }
+
+    int least_audit_pixels() const {
+        const size_t of_job = kLeastPixelsOfJob / job_.probes.size();
+        return std::max(kLeastAuditPixels, static_cast<int>(of_job));
+    }
+
+    /// Paths through media meet emissive voxels and sky by themselves.
+    std::vector<double> hidden(double rays, uint64_t key, CostStats& cost) const {
+        if (through_media()) return {};
+        const double more = std::max(kLeastHiddenLightRays, kHiddenLightShare * rays);
+        return hidden_light({.scene = render_scene_,
+                             .emitters = pilot_.emitters.get(),
+                             .origin = origin_,
+                             .as_written = as_written_,
+                             .rays = static_cast<int>(more),
+                             .key = key},
+                            cost);
     }
 
     const Scene& scene_;

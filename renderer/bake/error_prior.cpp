@@ -68,7 +68,8 @@ ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio>
     const double of_ratio = (between + of_audit) / count;
     return {.ratio = ratio,
             .spread = std::max(kSmallestSpread, std::sqrt(between + of_ratio)),
-            .draw_cv = draw_cv};
+            .draw_cv = draw_cv,
+            .common = std::sqrt(of_ratio)};
 }
 
 AuditedRatio with_further_audit(const AuditedRatio& all, const AuditedRatio& audit) {
@@ -109,7 +110,21 @@ PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, dou
     const double tail = kTailShare * (1.0 - confidence) / 2.0;
     return {.value = audit.predicted * scale / (shape - 1.0),
             .interval = {quantile(tail), quantile(1.0 - tail)},
-            .upper = quantile(confidence)};
+            .upper = quantile(confidence),
+            .spread = shape > 2.0 ? 1.0 / std::sqrt(shape - 2.0) : 1.0};
+}
+
+PooledError mean_error(std::span<const PooledError> probes, double common, double confidence) {
+    double sum = 0.0;
+    double variance = 0.0;
+    for (const PooledError& probe : probes) {
+        sum += probe.value;
+        variance += square(probe.value * probe.spread);
+    }
+    if (!(sum > 0.0)) return {};
+    const double spread = std::sqrt(variance / square(sum) + square(common));
+    return pooled_error({.spread = std::max(kSmallestSpread / 10.0, spread)},
+                        {.predicted = sum / static_cast<double>(probes.size())}, confidence);
 }
 
 }  // namespace probebake

@@ -33,6 +33,7 @@ struct ErrorPrior {
     double ratio = 1.0;    // mean over the probes
     double spread = 1.0;   // relative standard deviation, what is not known of `ratio` included
     double draw_cv = 4.0;  // relative standard deviation of one audited pixel
+    double common = 0.0;   // of the spread, what all probes of the job share
 };
 
 /// How far probes of a job differ, by the scenes of docs/results/calibration.md, until the job's
@@ -60,7 +61,12 @@ struct PooledError {
     double value = 0.0;
     Interval interval;
     double upper = 0.0;
+    double spread = 0.0;  // relative standard deviation
 };
 PooledError pooled_error(const ErrorPrior& prior, const AuditedRatio& audit, double confidence);
+
+/// The mean over probes whose errors have `common`, a relative standard deviation, in common and
+/// are else independent.
+PooledError mean_error(std::span<const PooledError> probes, double common, double confidence);
 
 }  // namespace probebake

@@ -112,7 +112,8 @@ class Search {
                 target,
                 {.ratio = ratio->value,
                  .spread = std::min(kLargestSpread, std::hypot(kUsualSpread, ratio->known_to)),
-                 .draw_cv = draw_cv});
+                 .draw_cv = draw_cv,
+                 .common = ratio->known_to});
         }
         return all;
     }
@@ -349,6 +350,17 @@ std::vector<RenderSettings> curve_settings(const Pilot& leaf_rays) {
     return settings;
 }
 
+/// Over the channels, of what the sample shows and what emissive voxels have.
+double largest_radiance(const SearchSample& sample, const EmitterSampler* emitters) {
+    double largest = emitters != nullptr ? emitters->largest_radiance() : 0.0;
+    for (const SearchPixel& pixel : sample.pixels) {
+        for (const Rgb& truth : {pixel.truth.r1, pixel.truth.r2}) {
+            largest = std::max(largest, (double{truth.r} + truth.g + truth.b) / 3.0);
+        }
+    }
+    return largest;
+}
+
 }  // namespace
 
 Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
@@ -368,6 +380,8 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     PilotSample pixels(scene, job, state, cancel);
     Pilot pilot{
         .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
+    if (job.quality.evidence.audit) pilot.emitters = emitters_to_look_for(scene, state.spec);
+    pilot.largest_radiance = largest_radiance(pixels.sample(), pilot.emitters.get());
     std::vector<RenderSettings> measured;
     if (state.spec == LightingState::kEmission && !scene.emits()) {
         pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bake/error_prior.h"
+#include "bake/hidden_light.h"
 #include "bake/media_state.h"
 #include "bake/pilot_sample.h"
 #include "bake/plan.h"
@@ -45,8 +46,10 @@ struct FinerSettings {
 
 struct Pilot {
     ReadyState state;
-    std::shared_ptr<const MediaState> media;  // where the state is seen through them
+    std::shared_ptr<const MediaState> media;         // where the state is seen through them
+    std::shared_ptr<const EmitterSampler> emitters;  // to look for, where no media are
     double exposure = 1.0;
+    double largest_radiance = 0.0;         // that the sample showed, or emissive voxels have
     int truth_grid = kTruthGrids.front();  // that audits use, too
     RenderSettings settings;
     double settings_mse = 0.0;  // their mean squared error on the sample; for leaf rays only: 1

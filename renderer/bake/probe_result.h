@@ -51,6 +51,7 @@ struct ProbeResult {
     CostStats render_cost() const;
 };
 
+ErrorFigures figures_of(const PooledError& square);
 /// What is known of a probe's squared error: with the job's other audits where they were asked.
 ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result);
 

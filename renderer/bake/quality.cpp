@@ -6,11 +6,6 @@
 namespace probebake {
 namespace {
 
-std::optional<double> psnr_of(double mse) {
-    if (!(mse > 0.0) || !std::isfinite(mse)) return std::nullopt;
-    return -10.0 * std::log10(mse);
-}
-
 /// What a ray anywhere in a pixel's footprint meets.
 Rgb leaf_ray(const RenderScene& scene, const View& view, int x, int y, RandomStream& random,
              CostStats& stats) {
@@ -65,6 +60,11 @@ double relative_squared_error(const Rgb& value, const TruthPair& truth, double e
 }
 
 double relative_floor(double mean) { return 0.01 * mean * mean; }
+
+std::optional<double> psnr_of(double mse) {
+    if (!(mse > 0.0) || !std::isfinite(mse)) return std::nullopt;
+    return -10.0 * std::log10(mse);
+}
 
 ErrorFigures figures_of(const Estimate& mse, double confidence) {
     const Interval interval = mse.interval(confidence);

@@ -62,6 +62,9 @@ struct MeasuredError {
     std::optional<Estimate> irradiance_square;
 };
 
+/// In dB; none for 0 and what is not finite.
+std::optional<double> psnr_of(double mse);
+
 /// The figures of a MeasuredError as reports show them.
 struct ErrorFigures {
     double rmse = 0.0;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "bake/job_names.h"
+#include "bake/state_error.h"
 
 namespace probebake {
 namespace {
@@ -76,6 +77,33 @@ Json write_error(const MeasuredError& error, double confidence) {
     return json;
 }
 
+/// In the place of an audit's figures of a target's metric those of a posterior.
+void tell(Json& json, QualityTarget::Metric metric, const PooledError& error) {
+    const Interval& interval = error.interval;
+    switch (metric) {
+        case QualityTarget::Metric::kRelMse:
+            json["rel_mse"] = error.value;
+            json["rel_mse_interval"] = {interval.low, interval.high};
+            break;
+        case QualityTarget::Metric::kSsim:
+            json["ssim"] = 1.0 - error.value;
+            json["ssim_interval"] = {1.0 - interval.high, 1.0 - interval.low};
+            break;
+        case QualityTarget::Metric::kIrradianceRel:
+            json["irradiance_rel"] = std::sqrt(error.value);
+            json["irradiance_rel_interval"] = {std::sqrt(interval.low), std::sqrt(interval.high)};
+            break;
+        default: {
+            const ErrorFigures figures = figures_of(error);
+            json["rmse"] = figures.rmse;
+            json["rmse_interval"] = {figures.rmse_interval.low, figures.rmse_interval.high};
+            json["psnr_db"] = optional_json(figures.psnr_db);
+            json["psnr_db_interval"] = {optional_json(figures.psnr_low_db),
+                                        optional_json(figures.psnr_high_db)};
+        }
+    }
+}
+
 /// What is known of a probe's error: its own audit's figures, and in their place, where there are
 /// any, those that the job's other audits took part in.
 Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
@@ -84,31 +112,7 @@ Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
     json["confidence"] = result.confidence;
     for (size_t t = 0; t < result.pooled.size(); ++t) {
         if (!result.pooled[t]) continue;
-        const PooledError& pooled = *result.pooled[t];
-        const Interval& interval = pooled.interval;
-        switch (job.quality.targets[t].metric) {
-            case QualityTarget::Metric::kRelMse:
-                json["rel_mse"] = pooled.value;
-                json["rel_mse_interval"] = {interval.low, interval.high};
-                break;
-            case QualityTarget::Metric::kSsim:
-                json["ssim"] = 1.0 - pooled.value;
-                json["ssim_interval"] = {1.0 - interval.high, 1.0 - interval.low};
-                break;
-            case QualityTarget::Metric::kIrradianceRel:
-                json["irradiance_rel"] = std::sqrt(pooled.value);
-                json["irradiance_rel_interval"] = {std::sqrt(interval.low),
-                                                   std::sqrt(interval.high)};
-                break;
-            default: {
-                const ErrorFigures figures = error_figures(job.quality, result);
-                json["rmse"] = figures.rmse;
-                json["rmse_interval"] = {figures.rmse_interval.low, figures.rmse_interval.high};
-                json["psnr_db"] = optional_json(figures.psnr_db);
-                json["psnr_db_interval"] = {optional_json(figures.psnr_low_db),
-                                            optional_json(figures.psnr_high_db)};
-            }
-        }
+        tell(json, job.quality.targets[t].metric, *result.pooled[t]);
         json["confidence"] = job.quality.evidence.confidence;
         json["own_audit"] = own;
         json["own_audit"]["confidence"] = result.confidence;
@@ -277,6 +281,10 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
     }
     if (pooled.mse.samples > 0) {
         json["error"] = write_error(pooled, confidence);
+        const auto known = state_errors(record, pilot);
+        for (size_t t = 0; t < known.size(); ++t) {
+            if (known[t]) tell(json["error"], record.job.quality.targets[t].metric, *known[t]);
+        }
         json["error"]["evidence"] = name_of(EvidenceOf::kJob);
     }
     return json;

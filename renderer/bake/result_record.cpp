@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 6;
+constexpr uint64_t kVersion = 7;
 
 class Damaged {};
 
@@ -181,8 +181,8 @@ void fields(Archive& archive, T& s) {
 
 template <class Archive, Either<Estimate> T>
 void fields(Archive& archive, T& e) {
-    auto& [value, variance, third_moment, samples, degrees_of_freedom] = e;
-    archive(value, variance, third_moment, samples, degrees_of_freedom);
+    auto& [value, variance, third_moment, samples, degrees_of_freedom, largest, told] = e;
+    archive(value, variance, third_moment, samples, degrees_of_freedom, largest, told);
 }
 
 template <class Archive, Either<NormEstimate> T>
@@ -223,8 +223,8 @@ void fields(Archive& archive, T& interval) {
 
 template <class Archive, Either<PooledError> T>
 void fields(Archive& archive, T& pooled) {
-    auto& [value, interval, upper] = pooled;
-    archive(value, interval, upper);
+    auto& [value, interval, upper, spread] = pooled;
+    archive(value, interval, upper, spread);
 }
 
 template <class Archive, Either<AuditedRatio> T>

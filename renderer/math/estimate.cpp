@@ -46,6 +46,8 @@ void Estimate::add(double weight, const Estimate& part) {
     variance += added;
     third_moment += weight * weight * weight * part.third_moment;
     samples += part.samples;
+    largest = std::max(largest, part.largest);
+    told += part.told;
     degrees_of_freedom =
         spread > 0.0 ? variance * variance / spread : degrees_of_freedom + part.degrees_of_freedom;
 }
@@ -56,14 +58,16 @@ Interval Estimate::interval(double confidence) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     if (!(degrees_of_freedom > 0.0)) return {-kInfinity, kInfinity};
     const double s = standard_error();
-    if (!(s > 0.0)) return {value, value};
+    const double unseen = largest > 0.0 ? largest * unseen_share(told, confidence) : 0.0;
+    if (!(s > 0.0)) return {value, nothing_found() ? unseen : value};
     const double z = student_t_quantile(0.5 + confidence / 2.0, degrees_of_freedom);
     const double g = third_moment / (s * s * s);
     const auto inverse = [g](double x) {
         if (std::abs(g) < 1e-6) return x;
         return 3.0 / g * (std::cbrt(1.0 + g * (x - g / 6.0)) - 1.0);
     };
-    return {value - s * inverse(z), value - s * inverse(-z)};
+    const double high = value - s * inverse(-z);
+    return {value - s * inverse(z), largest > 0.0 && high <= 0.0 ? unseen : high};
 }
 
 double unseen_share(uint64_t samples, double confidence) {

@@ -45,6 +45,10 @@ struct Estimate {
     double third_moment = 0.0;  // central, of `value`
     uint64_t samples = 0;
     double degrees_of_freedom = 0.0;
+    /// Of what cannot be below 0, where nothing is found: what a sample may be at most, and how
+    /// many draws would have told of it. 0: not known.
+    double largest = 0.0;
+    uint64_t told = 0;
 
     /// The mean of a sample.
     static Estimate of_mean(const Moments& moments);
@@ -55,7 +59,8 @@ struct Estimate {
     double standard_error() const;
     /// Every sample was exactly 0: nothing was found, which does not say that nothing is there.
     bool nothing_found() const { return samples > 0 && value == 0.0 && variance == 0.0; }
-    /// Two-sided interval; infinite on both sides below two samples.
+    /// Two-sided interval; infinite on both sides below two samples. Where nothing was found
+    /// above 0, up to what may lie unseen: unseen_share(told) · largest.
     Interval interval(double confidence) const;
 };
 

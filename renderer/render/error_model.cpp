@@ -13,17 +13,19 @@ const ErrorModel kErrorModel = {{
 
 std::array<double, kErrorTerms> error_terms(int stage, const PixelEvidence& e) {
     const auto visible = [](double node_error) { return std::max(0.0, node_error); };
+    const double contrast = std::max(e.contrast, e.hidden);
+    const auto variance = [&](size_t s) { return std::max(e.ray_variance[s], e.hidden); };
     switch (stage) {
         case 0:
-            return {e.contrast, e.contrast * visible(e.node_error[0]), e.child_variance[0],
+            return {contrast, contrast * visible(e.node_error[0]), e.child_variance[0],
                     e.passed_contrast[0], 0.0};
         case 1:
-            return {e.contrast, e.ray_variance[1], e.ray_variance[1] * visible(e.node_error[1]),
+            return {contrast, variance(1), variance(1) * visible(e.node_error[1]),
                     e.child_variance[1], e.passed_contrast[1]};
         case 2:
-            return {e.contrast, e.passed_contrast[1], e.ray_variance[2], 0.0, 0.0};
+            return {contrast, e.passed_contrast[1], variance(2), 0.0, 0.0};
         case 3:
-            return {e.passed_contrast[1], e.ray_variance[2], e.ray_variance[3], 0.0, 0.0};
+            return {e.passed_contrast[1], variance(2), variance(3), 0.0, 0.0};
         default:
             return {};
     }

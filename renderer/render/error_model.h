@@ -9,6 +9,8 @@
 //   passed_contrast  mean squared difference to the nodes that the level of detail would have
 //                    stopped at: large where rays slip past something into what is behind it
 //   ray_variance[s]  of all rays up to stage s ≥ 1
+//   hidden           mean squared difference within the pixel that rays beside its own have shown
+//                    (HybridCubemap::reveal): contrast and ray_variance are no less
 //   node_error       visibility error E_N of those nodes (node_error.h), a factor
 //
 // The coefficients were fitted on worlds named in docs/results/beyond.md, by maximum likelihood of
@@ -25,6 +27,7 @@ inline constexpr int kHybridStages = 5;
 /// What is known of a pixel after `stage`.
 struct PixelEvidence {
     double contrast = 0.0;
+    double hidden = 0.0;
     /// Of stages 0 and 1, means over their rays.
     std::array<double, 2> node_error{};
     std::array<double, 2> child_variance{};

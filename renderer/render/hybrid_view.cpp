@@ -66,6 +66,15 @@ class HybridView {
         first_colors_ = {};
     }
 
+    void reveal(std::span<const double> differences) {
+        for (Kept& at : kept_) {
+            at.evidence.hidden = differences[view_.index(at.x, at.y)];
+            const HybridPixel pixel{.stage = at.stage, .sums = at.sums, .evidence = at.evidence};
+            store(at.x, at.y, pixel);
+            at = kept(at.x, at.y, pixel);
+        }
+    }
+
     /// Has every pixel go on that the price, not below 0, or the least grid asks for.
     void refine_to(double price, int least_grid) {
         settings_.price = price;
@@ -281,6 +290,13 @@ HybridCubemap::HybridCubemap(const RenderScene& scene, const Vec3& origin, int n
 }
 
 HybridCubemap::~HybridCubemap() = default;
+
+void HybridCubemap::reveal(const std::vector<double>& differences) {
+    const size_t face_pixels = static_cast<size_t>(n_) * static_cast<size_t>(n_);
+    for (size_t f = 0; f < views_.size(); ++f) {
+        views_[f]->reveal(std::span(differences).subspan(f * face_pixels, face_pixels));
+    }
+}
 
 void HybridCubemap::refine_to(double price, int least_grid) {
     tbb::parallel_for(size_t{0}, views_.size(),

@@ -26,6 +26,9 @@ class HybridCubemap {
     HybridCubemap(const RenderScene& scene, const Vec3& origin, int n, const CancelToken& cancel);
     ~HybridCubemap();
 
+    /// Mean squared differences of colour within pixels that other rays have shown, in the order of
+    /// the cubemap's image (PixelEvidence::hidden).
+    void reveal(const std::vector<double>& differences);
     /// Prices of 0 and more, in falling order; least grids (RenderSettings) in rising order. Throws
     /// Cancelled.
     void refine_to(double price, int least_grid = 1);

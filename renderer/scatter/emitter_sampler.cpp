@@ -38,7 +38,9 @@ EmitterSampler::EmitterSampler(const VoxelTree& tree) {
         const float sum = radiance.r + radiance.g + radiance.b;
         if (!(sum > 0.0f)) return;
         const uint8_t faces = exposed_faces(tree, voxel);
-        if (faces == 0 || ++found_ > kMostEmitters) return;
+        if (faces == 0) return;
+        largest_radiance_ = std::max(largest_radiance_, double{sum} / 3.0);
+        if (++found_ > kMostEmitters) return;
         Node node;
         node.power = sum / 3.0f * static_cast<float>(std::popcount(faces));
         node.faces = faces;

@@ -30,6 +30,8 @@ class EmitterSampler {
     size_t size() const { return voxels_.size(); }
     /// Emissive voxels with an exposed face in the tree, whether they are kept or not.
     uint64_t found() const { return found_; }
+    /// Of these, over the channels.
+    double largest_radiance() const { return largest_radiance_; }
     /// Steps from the root of the binary tree to a voxel.
     int levels() const { return static_cast<int>(levels_.size()) - 1; }
     uint64_t memory_bytes() const;
@@ -69,6 +71,7 @@ class EmitterSampler {
     std::vector<std::vector<Node>> levels_;  // from the voxels up
     std::vector<uint32_t> voxels_;           // index in the tree, ascending
     uint64_t found_ = 0;
+    double largest_radiance_ = 0.0;
 };
 
 }  // namespace probebake

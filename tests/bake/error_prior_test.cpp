@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "math/random.h"
@@ -118,6 +119,36 @@ TEST(ErrorPrior, NothingIsLearnedFromNothing) {
     EXPECT_EQ(learned_prior(before, {}).ratio, 0.7);
     const std::vector<AuditedRatio> black(16, {.predicted = 1.0, .draws = 30});
     EXPECT_EQ(learned_prior(before, black).ratio, 0.7);
+}
+
+TEST(ErrorPrior, TheMeanOfProbesVariesByWhatTheyHaveInCommon) {
+    // R of a probe = a common factor times one of its own; the mean of their posteriors covers.
+    RandomStream random(5);
+    std::mt19937_64 engine(7);
+    const double common = 0.3;
+    const double own = 0.5;
+    int covered = 0;
+    constexpr int kJobs = 2000;
+    const auto inverse_gamma = [&](double spread) {
+        const double shape = 2.0 + 1.0 / (spread * spread);
+        return (shape - 1.0) / std::gamma_distribution<double>(shape)(engine);
+    };
+    for (int job = 0; job < kJobs; ++job) {
+        std::vector<PooledError> probes;
+        double truth = 0.0;
+        const double factor = inverse_gamma(common);
+        for (int i = 0; i < 40; ++i) {
+            const double predicted = 0.5 + random.uniform();
+            const double spread = std::hypot(common, own);
+            probes.push_back(pooled_error({.spread = spread}, {.predicted = predicted}, 0.95));
+            EXPECT_NEAR(probes.back().spread, spread, 1e-9);
+            truth += factor * inverse_gamma(own) * predicted / 40.0;
+        }
+        const PooledError mean = mean_error(probes, common, 0.95);
+        covered += truth >= mean.interval.low && truth <= mean.interval.high ? 1 : 0;
+        EXPECT_LT(mean.interval.high / mean.interval.low, 4.5);
+    }
+    EXPECT_GE(covered, 0.95 * kJobs);
 }
 
 }  // namespace

@@ -101,6 +101,16 @@ TEST(Estimate, TooFewOrEqualSamples) {
     Moments zeros;
     for (int i = 0; i < 59; ++i) zeros.add(0.0);
     EXPECT_TRUE(Estimate::of_mean(zeros).nothing_found());
+    Estimate nothing = Estimate::of_mean(zeros);
+    EXPECT_EQ(nothing.interval(0.95).high, 0.0);  // as far as is known
+    nothing.largest = 100.0;
+    nothing.told = 2995;
+    EXPECT_EQ(nothing.interval(0.95).low, 0.0);
+    EXPECT_NEAR(nothing.interval(0.95).high, 0.1, 1e-4);
+    Estimate below = nothing;  // squares, by two means each: less than nothing was found
+    below.value = -3.0;
+    below.variance = 0.1;
+    EXPECT_NEAR(below.interval(0.95).high, 0.1, 1e-4);
     EXPECT_NEAR(unseen_share(59, 0.95), 0.0495, 1e-4);
     EXPECT_NEAR(unseen_share(2995, 0.95), 0.001, 1e-6);
 }

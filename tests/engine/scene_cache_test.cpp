@@ -1,6 +1,7 @@
 #include "engine/scene_cache.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <atomic>
@@ -168,6 +169,34 @@ TEST_F(SceneCacheTest, APictureThatTheCacheLostIsImportedAgain) {
     EXPECT_EQ(cache.sky(folder_ / "sky.hdr", cancel_).sha256, sky.sha256);
     std::filesystem::remove(kept().path());
     EXPECT_EQ(cache.sky(folder_ / "sky.hdr", cancel_).sha256, sky.sha256);
+}
+
+// As many processors as there are may be busy for as long as the clock on the wall allows.
+TEST_F(SceneCacheTest, AnImportHasTheTimeOfEveryProcessor) {
+    testing::GTEST_FLAG(death_test_style) = "threadsafe";
+    const rlim_t processors = std::thread::hardware_concurrency();
+    EXPECT_EXIT(
+        {
+            limit_this_process({.memory_bytes = uint64_t{1} << 33, .time = 100s});
+            rlimit time{};
+            ::getrlimit(RLIMIT_CPU, &time);
+            // First SIGXCPU, which tells why, then SIGKILL.
+            const bool right = time.rlim_cur == 100 * processors && time.rlim_max > time.rlim_cur;
+            std::_Exit(right ? 7 : 8);
+        },
+        testing::ExitedWithCode(7), "");
+    EXPECT_EXIT(
+        {
+            limit_this_process({.memory_bytes = uint64_t{1} << 33, .time = 1s});
+            std::vector<std::thread> busy;
+            for (rlim_t i = 0; i < processors; ++i) {
+                busy.emplace_back([] {
+                    for (volatile int k = 0;;) k = k + 1;
+                });
+            }
+            for (std::thread& thread : busy) thread.join();
+        },
+        testing::KilledBySignal(SIGXCPU), "");
 }
 
 }  // namespace

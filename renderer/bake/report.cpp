@@ -5,6 +5,7 @@
 #include <map>
 
 #include "bake/job_names.h"
+#include "render/hybrid.h"
 
 namespace probebake {
 namespace {
@@ -361,7 +362,8 @@ Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& resul
     if (result.limited || pilot.expectation == Expectation::kBudgetExhausted) {
         return {Verdict::kBudgetExhausted, EvidenceOf::kProbe};
     }
-    const bool finest = pilot.finer.empty() || result.settings == pilot.finer.back().settings;
+    const bool finest = pilot.finer.empty() || result.settings == pilot.finer.back().settings ||
+                        casts_all_leaf_rays(result.settings);  // steered probes end there
     if (pilot.expectation == Expectation::kUnreachable || (finest && !job.quality.settings)) {
         return {Verdict::kUnreachable, EvidenceOf::kProbe};
     }

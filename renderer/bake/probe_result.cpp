@@ -22,7 +22,7 @@ ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result
                 .psnr_low_db = db(pooled.interval.high),
                 .psnr_high_db = db(pooled.interval.low)};
     }
-    return figures_of(result.certificate.error.mse, quality.evidence.confidence);
+    return figures_of(result.certificate.error.mse, result.confidence);
 }
 
 CostStats ProbeResult::render_cost() const {

@@ -82,7 +82,7 @@ Json write_error(const MeasuredError& error, double confidence) {
 Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
     Json own = write_error(result.certificate.error, result.confidence);
     Json json = own;
-    json["confidence"] = result.confidence;
+    json["confidence"] = job.quality.evidence.confidence;
     for (size_t t = 0; t < result.pooled.size(); ++t) {
         if (!result.pooled[t]) continue;
         const PooledError& pooled = *result.pooled[t];
@@ -110,7 +110,6 @@ Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
                                             optional_json(figures.psnr_high_db)};
             }
         }
-        json["confidence"] = job.quality.evidence.confidence;
         json["own_audit"] = own;
         json["own_audit"]["confidence"] = result.confidence;
     }

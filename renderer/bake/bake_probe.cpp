@@ -147,7 +147,7 @@ class Unit {
             if (!audits()) return;
             look();
             if (result_.target_met || result_.looks == kMaxLooks) return;
-            const bool everything = finest && settings.least_grid == settings.leaf_grid;
+            const bool everything = casts_all_leaf_rays(settings);
             const bool harder = finest && (everything || audit_effort_ == 1.0) && may_look_harder();
             if (everything && !harder) return;
             ++result_.looks;

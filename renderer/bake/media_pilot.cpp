@@ -50,8 +50,6 @@ constexpr double kUntoldNoise = 0.1;
 constexpr double kNoiseForSsim = 0.4;
 /// Where the target is a number of rays: no noise is small enough.
 constexpr double kNoNoise = 1e-30;
-/// Of a budget of seconds, what the render is planned to use.
-constexpr double kTimeShare = 0.8;
 
 struct Place {
     size_t probe = 0;
@@ -74,7 +72,6 @@ class MediaPilot {
         : scene_(scene), job_(job), state_(state), cancel_(cancel) {}
 
     Pilot run(const std::optional<TimeBudget>& time) {
-        const auto start = std::chrono::steady_clock::now();
         Pilot pilot{.state = state_};
         pilot.media = std::make_shared<const MediaState>(
             scene_, state_, job_, [&](RandomStream& random) { return random_ray(random); });
@@ -97,12 +94,15 @@ class MediaPilot {
         aim(pilot, time);
         measure_curve(pilot);
         pilot.pixels = places_.size();
-        pilot.wall_seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        pilot.wall_seconds = seconds();
         return pilot;
     }
 
   private:
+    double seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
     uint64_t key(uint64_t purpose, uint64_t part) const {
         return random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kMediaPilot),
                            stream_of(state_.spec), purpose, part});
@@ -306,9 +306,8 @@ class MediaPilot {
         const auto pixels = static_cast<double>(pixel_count(job_));
         if (job_.budget.rays) most = static_cast<double>(*job_.budget.rays) / pixels;
         if (time) {
-            const double paths = kTimeShare * time->seconds * time->threads / seconds_per_path_;
             const double per_pixel =
-                std::max(2.0, paths * static_cast<double>(job_.states.size()) / pixels);
+                std::max(2.0, time->per_pixel(job_, seconds()) / seconds_per_path_);
             most = std::min(most.value_or(per_pixel), per_pixel);
         }
         return most;
@@ -417,6 +416,7 @@ class MediaPilot {
     const JobSpec& job_;
     const ReadyState& state_;
     const CancelToken& cancel_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     const PathTracer* tracer_ = nullptr;
     std::vector<Place> places_;
     std::vector<PlacePaths> paths_;

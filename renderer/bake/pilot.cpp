@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 
 #include "bake/media_pilot.h"
 
@@ -14,6 +13,9 @@ namespace {
 
 /// Of a budget of seconds, what the pilot may use before it takes what it has.
 constexpr double kPilotShare = 0.5;
+/// Of what the pilot leaves, what the render is planned to take; the rest is for audits, files and
+/// what the pilot is wrong by.
+constexpr double kTimeShare = 0.8;
 
 /// What the first look at a probe aims at, of the error that the target allows: what it spares the
 /// probes whose error is less than predicted pays for further looks at the others
@@ -38,16 +40,33 @@ bool spends_where_it_counts(const RenderSettings& settings) {
     return settings.kind == RendererKind::kErrorAware || settings.kind == RendererKind::kHybrid;
 }
 
+/// The pilot's own time, beside the budget.
+class Stopwatch {
+  public:
+    Stopwatch(const JobSpec& job, const std::optional<TimeBudget>& budget)
+        : job_(job), budget_(budget) {}
+
+    double seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    bool out_of_time() const {
+        return budget_ && seconds() > kPilotShare * budget_->of_state(job_);
+    }
+    /// Whether a render may take so many seconds of a thread in a pixel.
+    bool affordable(double seconds_per_pixel) const {
+        return !budget_ || seconds_per_pixel <= budget_->per_pixel(job_, seconds());
+    }
+
+  private:
+    const JobSpec& job_;
+    const std::optional<TimeBudget>& budget_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 class Search {
   public:
-    Search(const JobSpec& job, const Plan& plan, PilotSample& pixels,
-           const std::optional<TimeBudget>& time, const std::function<bool()>& out_of_time)
-        : job_(job),
-          sampled_(sampled(job.quality)),
-          plan_(plan),
-          pixels_(pixels),
-          time_(time),
-          out_of_time_(out_of_time) {}
+    Search(const JobSpec& job, const Plan& plan, PilotSample& pixels, const Stopwatch& time)
+        : job_(job), sampled_(sampled(job.quality)), plan_(plan), pixels_(pixels), time_(time) {}
 
     /// Fills the pilot's settings, expectation and finer candidates; returns the whole frontier,
     /// cheapest first, and which of it was chosen.
@@ -58,7 +77,8 @@ class Search {
         if (chosen == all.size()) {
             --chosen;  // the finest there is
             if (!estimate_meets(sampled_, all[chosen].error)) {
-                pilot.expectation = Expectation::kUnreachable;
+                pilot.expectation =
+                    cut_short_ ? Expectation::kBudgetExhausted : Expectation::kUnreachable;
             }
         }
         const size_t affordable = last_affordable(all);
@@ -180,7 +200,8 @@ class Search {
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
             std::vector<Candidate> best = frontier(std::move(candidates), sampled_);
-            if (enough || price < 0.0 || out_of_time_()) return best;
+            cut_short_ = !enough && price >= 0.0 && time_.out_of_time();
+            if (enough || price < 0.0 || cut_short_) return best;
         }
     }
 
@@ -216,7 +237,9 @@ class Search {
             pilot.candidates = candidates.size();
             const bool enough = is_enough(candidates);
             best = frontier(std::move(candidates), sampled_);
-            if (enough || !refines_further || out_of_time_()) break;
+            cut_short_ =
+                !enough && refines_further && leaf_grid < kLeafGrids.back() && time_.out_of_time();
+            if (enough || !refines_further || cut_short_) break;
         }
         return best;
     }
@@ -272,15 +295,10 @@ class Search {
             candidate.rays_per_pixel * pixels > static_cast<double>(*job_.budget.rays)) {
             return false;
         }
-        if (time_) {
-            const CostStats& spent = pixels_.search_cost();
-            const double seconds_per_step =
-                spent.steps > 0 ? spent.seconds / static_cast<double>(spent.steps) : 0.0;
-            const double seconds =
-                candidate.steps_per_pixel * pixels * seconds_per_step / time_->threads;
-            if (seconds > time_->seconds) return false;
-        }
-        return true;
+        const CostStats& spent = pixels_.search_cost();
+        const double seconds_per_step =
+            spent.steps > 0 ? spent.seconds / static_cast<double>(spent.steps) : 0.0;
+        return time_.affordable(candidate.steps_per_pixel * seconds_per_step);
     }
 
     bool ray_target() const { return only_target(job_.quality, QualityTarget::Metric::kRays); }
@@ -302,8 +320,8 @@ class Search {
     const QualitySpec sampled_;
     const Plan& plan_;
     PilotSample& pixels_;
-    const std::optional<TimeBudget>& time_;
-    const std::function<bool()>& out_of_time_;
+    const Stopwatch& time_;
+    bool cut_short_ = false;  // there are finer candidates, but no time to look at them
 };
 
 /// Settings of the curve: LOD only, some of the way to the chosen ones, these, and beyond.
@@ -367,16 +385,16 @@ Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
     return {.goal = kFirstAim * *largest_size(target) / prior.ratio, .prior = prior};
 }
 
+double TimeBudget::per_pixel(const JobSpec& job, double pilot_seconds) const {
+    const double pixels =
+        static_cast<double>(pixel_count(job)) / static_cast<double>(job.states.size());
+    return kTimeShare * std::max(0.0, of_state(job) - pilot_seconds) * threads / pixels;
+}
+
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     if (sees_media(scene, state.spec)) return run_media_pilot(scene, job, state, cancel, time);
-    const auto start = std::chrono::steady_clock::now();
-    const auto seconds = [start] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    };
-    const std::function<bool()> out_of_time = [&] {
-        return time && seconds() > kPilotShare * time->seconds;
-    };
+    const Stopwatch stopwatch(job, time);
     PilotSample pixels(scene, job, state, cancel);
     Pilot pilot{
         .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
@@ -390,7 +408,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
         begin_with_one_ray(pilot);
         measured = curve_settings(pilot);
     } else if (plan.needs_pilot) {
-        const auto [frontier, chosen] = Search(job, plan, pixels, time, out_of_time).run(pilot);
+        const auto [frontier, chosen] = Search(job, plan, pixels, stopwatch).run(pilot);
         measured = curve_settings(frontier, chosen, pilot.settings);
     } else {
         pilot.settings = *job.quality.settings;
@@ -403,7 +421,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
         measured = curve_settings(pilot.settings);
     }
     for (const RenderSettings& settings : measured) {
-        if (out_of_time() && settings != pilot.settings) continue;
+        if (stopwatch.out_of_time() && settings != pilot.settings) continue;
         // What was recorded is not cast again.
         if (settings.kind == RendererKind::kHybrid && settings.price >= pixels.recorded_price()) {
             pilot.curve.push_back(pixels.replayed(settings));
@@ -420,7 +438,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
                      [](const CurvePoint& a, const CurvePoint& b) { return a.steps < b.steps; });
     pilot.pixels = pixels.sample().pixels.size();
     pilot.search_cost = pixels.search_cost();
-    pilot.wall_seconds = seconds();
+    pilot.wall_seconds = stopwatch.seconds();
     return pilot;
 }
 

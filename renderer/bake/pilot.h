@@ -68,10 +68,20 @@ struct Pilot {
     double wall_seconds = 0.0;
 };
 
-/// Threads that will render the job, and the wall time they have, for a budget of seconds.
+/// What is left of a job's budget of seconds when the first of its pilots begins, for all pilots
+/// and renders. Every lighting state has an equal part, of which its own pilot takes what it needs
+/// and its render is planned to take most of the rest. Nothing of it goes over to another state:
+/// all pilots run before anything is rendered.
 struct TimeBudget {
     int threads = 1;
-    double seconds = 0.0;
+    double seconds = 0.0;  // wall time
+
+    double of_state(const JobSpec& job) const {
+        return seconds / static_cast<double>(job.states.size());
+    }
+    /// Seconds of a thread that the render of a state is planned to take in a pixel, after a pilot
+    /// of so many seconds.
+    double per_pixel(const JobSpec& job, double pilot_seconds) const;
 };
 
 /// Tunes one lighting state. Runs on the calling arena. Throws Cancelled.

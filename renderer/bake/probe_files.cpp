@@ -34,7 +34,8 @@ class FileMaker {
         if (what_.job.products.sh) {
             add_file("sh.json", encode_sh({.radiance = project_sh(what_.as_written),
                                            .audit = result_.certificate.sh,
-                                           .confidence = result_.confidence,
+                                           .confidence = what_.job.quality.evidence.confidence,
+                                           .look_confidence = result_.confidence,
                                            .expected = expected_irradiance(),
                                            .probe = attributes}));
         }
@@ -49,7 +50,7 @@ class FileMaker {
         for (size_t t = 0; t < result_.pooled.size(); ++t) {
             if (quality.targets[t].metric == QualityTarget::Metric::kIrradianceRel && noise &&
                 result_.pooled[t]) {
-                return ExpectedIrradiance{*noise, *result_.pooled[t], quality.evidence.confidence};
+                return ExpectedIrradiance{*noise, *result_.pooled[t]};
             }
         }
         return std::nullopt;

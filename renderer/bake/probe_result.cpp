@@ -25,7 +25,7 @@ ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result
         if (!of_squares || !result.pooled[t]) continue;
         return figures_of(*result.pooled[t]);
     }
-    return figures_of(result.certificate.error.mse, quality.evidence.confidence);
+    return figures_of(result.certificate.error.mse, result.confidence);
 }
 
 CostStats ProbeResult::render_cost() const {

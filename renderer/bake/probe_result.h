@@ -32,7 +32,8 @@ struct ProbeResult {
     int looks = 1;              // audits, the last of them of what is in the files
     CostStats earlier_renders;  // of what is not in them: replaced, not refined further
     Audit certificate;          // of the last look; empty without audit
-    double confidence = 0.0;    // of its intervals, two-sided
+    double confidence = 0.0;    // of its own intervals, two-sided; from the second look on above
+                                // the job's, which is what rows and files promise
     bool target_met = false;    // by its bound
     EvidenceOf evidence = EvidenceOf::kNone;
     /// Its error with what the job knows, in the target's size (error_size), one per target; at the

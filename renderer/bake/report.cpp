@@ -6,6 +6,7 @@
 
 #include "bake/job_names.h"
 #include "bake/state_error.h"
+#include "render/hybrid.h"
 
 namespace probebake {
 namespace {
@@ -109,11 +110,10 @@ void tell(Json& json, QualityTarget::Metric metric, const PooledError& error) {
 Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
     Json own = write_error(result.certificate.error, result.confidence);
     Json json = own;
-    json["confidence"] = result.confidence;
+    json["confidence"] = job.quality.evidence.confidence;
     for (size_t t = 0; t < result.pooled.size(); ++t) {
         if (!result.pooled[t]) continue;
         tell(json, job.quality.targets[t].metric, *result.pooled[t]);
-        json["confidence"] = job.quality.evidence.confidence;
         json["own_audit"] = own;
         json["own_audit"]["confidence"] = result.confidence;
     }
@@ -369,7 +369,8 @@ Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& resul
     if (result.limited || pilot.expectation == Expectation::kBudgetExhausted) {
         return {Verdict::kBudgetExhausted, EvidenceOf::kProbe};
     }
-    const bool finest = pilot.finer.empty() || result.settings == pilot.finer.back().settings;
+    const bool finest = pilot.finer.empty() || result.settings == pilot.finer.back().settings ||
+                        casts_all_leaf_rays(result.settings);  // steered probes end there
     if (pilot.expectation == Expectation::kUnreachable || (finest && !job.quality.settings)) {
         return {Verdict::kUnreachable, EvidenceOf::kProbe};
     }

@@ -23,7 +23,6 @@ Json write_interval(const Interval& interval) { return {interval.low, interval.h
 
 /// Of the irradiance.
 struct ShError {
-    double confidence = 0.95;
     double relative = 0.0;
     Interval interval;
     Vec3 largest;  // difference, for any normal
@@ -31,19 +30,18 @@ struct ShError {
 
 ShError error_by_draws(const ShFile& file) {
     const NormEstimate relative = relative_irradiance(*file.audit, file.radiance);
-    ShError error{file.confidence, relative.value(), relative.interval(file.confidence), {}};
+    ShError error{relative.value(), relative.interval(file.look_confidence), {}};
     for (size_t c = 0; c < file.audit->channels.size(); ++c) {
-        const double norm = file.audit->channels[c].interval(file.confidence).high;
+        const double norm = file.audit->channels[c].interval(file.look_confidence).high;
         error.largest[static_cast<int>(c)] = kShLargestIrradiance * norm;
     }
     return error;
 }
 
 ShError expected_error(const ExpectedIrradiance& expected) {
-    const auto& [noise, square, confidence] = expected;
+    const auto& [noise, square] = expected;
     const double off_by = noise.square > 0.0 ? square.interval.high / noise.square : 0.0;
-    return {confidence,
-            std::sqrt(square.value),
+    return {std::sqrt(square.value),
             {std::sqrt(square.interval.low), std::sqrt(square.interval.high)},
             kShLargestIrradiance * glm::sqrt(off_by * noise.channels)};
 }
@@ -52,7 +50,7 @@ Json write_audit(const ShFile& file) {
     const ShAudit& audit = *file.audit;
     const ShError error = file.expected ? expected_error(*file.expected) : error_by_draws(file);
     return {{"draws", audit.draws},
-            {"confidence", error.confidence},
+            {"confidence", file.confidence},
             {"difference", write_coefficients(audit.difference)},
             {"standard_error", write_coefficients(audit.standard_error)},
             {"irradiance_rel", error.relative},

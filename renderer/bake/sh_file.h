@@ -19,14 +19,14 @@ namespace probebake {
 struct ExpectedIrradiance {
     IrradianceNoise noise;
     PooledError square;
-    double confidence = 0.95;
 };
 
 struct ShFile {
     const ShRgb& radiance;
     /// None where nothing was audited.
     const std::optional<ShAudit>& audit;
-    double confidence = 0.95;
+    double confidence = 0.95;       // the job's, of which the file speaks
+    double look_confidence = 0.95;  // of the draws' own intervals: no lower
     /// In place of what the audit's draws say by themselves.
     std::optional<ExpectedIrradiance> expected;
     /// Whose they are, as the headers of the EXR files say it.

@@ -29,6 +29,11 @@ namespace probebake {
 inline RenderSettings hybrid_at(double price) {
     return {.kind = RendererKind::kHybrid, .leaf_grid = 16, .price = price};
 }
+/// Whether every pixel gets all leaf rays that it can get: nothing is left to refine.
+inline bool casts_all_leaf_rays(const RenderSettings& settings) {
+    return settings.kind == RendererKind::kHybrid && settings.price <= 0.0 &&
+           settings.least_grid == settings.leaf_grid;
+}
 
 /// Cells per pixel side of a stage.
 constexpr int stage_grid(int stage) { return 1 << stage; }

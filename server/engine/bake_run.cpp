@@ -93,13 +93,9 @@ class BakeRun {
     }
 
     void tune() {
+        std::optional<TimeBudget> time;
+        if (job_.budget.seconds) time = {params_.pool.threads(), std::max(0.0, seconds_left())};
         for (size_t s = 0; s < job_.states.size(); ++s) {
-            std::optional<TimeBudget> time;
-            if (job_.budget.seconds) {
-                // What is left, in equal parts for this state and those after it.
-                time = {params_.pool.threads(), std::max(0.0, seconds_left()) /
-                                                    static_cast<double>(job_.states.size() - s)};
-            }
             params_.pool.run([&] {
                 pilots_.push_back(
                     run_pilot(*scene_, job_, plan_, states_[s], params_.cancel, time));

@@ -1,6 +1,10 @@
 #include "engine/scene_cache.h"
 
+#include <unistd.h>
+
+#include <atomic>
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 #include "io/cache_folder.h"
@@ -13,6 +17,26 @@ namespace {
 
 /// How often a waiting job looks whether it was cancelled.
 constexpr std::chrono::milliseconds kCancelInterval{50};
+
+/// The path of a file that nobody else uses, removed in the end if it was made.
+class PassingFile {
+  public:
+    PassingFile(const std::filesystem::path& folder, const std::string& extension) {
+        static std::atomic<uint64_t> count = 0;
+        path_ = folder / (std::to_string(::getpid()) + "-" + std::to_string(count++) + extension);
+    }
+    ~PassingFile() {
+        std::error_code ignored;
+        std::filesystem::remove(path_, ignored);
+    }
+    PassingFile(const PassingFile&) = delete;
+    PassingFile& operator=(const PassingFile&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+
+  private:
+    std::filesystem::path path_;
+};
 
 }  // namespace
 
@@ -88,21 +112,22 @@ std::shared_ptr<const Scene> SceneCache::load_or_throw(const SceneFile& file) {
 
 SkyFile SceneCache::sky(const std::filesystem::path& picture, const CancelToken& cancel) const {
     if (!options_.importer) return read_sky_file(picture);
-    const std::filesystem::path folder =
-        options_.tree_cache_dir.value_or(options_.importer->scratch);
+    if (!options_.tree_cache_dir) {
+        const PassingFile decoded(options_.importer->scratch, ".sky");
+        import_sky_in_process(*options_.importer, picture, decoded.path(), cancel);
+        return load_sky(decoded.path());
+    }
     const std::filesystem::path kept =
-        folder / (sha256_hex(read_file_beneath(picture, kMaxSkyFileBytes)) + ".sky");
-    std::error_code error;
-    if (!std::filesystem::exists(kept, error)) {
-        import_sky_in_process(*options_.importer, picture, kept, cancel);
-    }
-    SkyFile sky = load_sky(kept);
-    if (options_.tree_cache_dir) {
+        *options_.tree_cache_dir /
+        (sha256_hex(read_file_beneath(picture, kMaxSkyFileBytes)) + ".sky");
+    try {
+        SkyFile sky = load_sky(kept);
         mark_used(kept);
-    } else {
-        std::filesystem::remove(kept, error);
+        return sky;
+    } catch (const IoError&) {  // never made, damaged, or another job has just trimmed the cache
     }
-    return sky;
+    import_sky_in_process(*options_.importer, picture, kept, cancel);
+    return load_sky(kept);
 }
 
 void SceneCache::evict() {

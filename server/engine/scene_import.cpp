@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstring>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "io/io_error.h"
@@ -150,18 +151,24 @@ void import_sky_in_process(const ImportProcess& process, const std::filesystem::
 void limit_this_process(const ImportLimits& limits) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-    const auto limit = [](auto resource, uint64_t value) {
-        const rlimit both{value, value};
+    const auto limit_from_to = [](auto resource, uint64_t soft, uint64_t hard) {
+        const rlimit both{soft, hard};
         if (::setrlimit(resource, &both) != 0) {
             throw IoError("import", std::string("no limits: ") + std::strerror(errno));
         }
+    };
+    const auto limit = [&](auto resource, uint64_t value) {
+        limit_from_to(resource, value, value);
     };
     limit(RLIMIT_CORE, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
     limit(RLIMIT_AS, limits.memory_bytes);
 #endif
     limit(RLIMIT_FSIZE, limits.memory_bytes);
-    limit(RLIMIT_CPU, static_cast<uint64_t>(limits.time.count()));
+    // All threads together. SIGXCPU comes at the soft limit and tells why; SIGKILL at the hard one.
+    const uint64_t processors = std::max(1U, std::thread::hardware_concurrency());
+    const uint64_t seconds = static_cast<uint64_t>(limits.time.count()) * processors;
+    limit_from_to(RLIMIT_CPU, seconds, seconds + 1);
     limit(RLIMIT_NOFILE, kMaxFiles);
 }
 

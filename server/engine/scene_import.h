@@ -20,7 +20,7 @@ namespace probebake {
 
 struct ImportLimits {
     uint64_t memory_bytes = uint64_t{8} << 30;  // of address space, and of the file written
-    std::chrono::seconds time{600};             // of the wall and of each processor
+    std::chrono::seconds time{600};             // of the wall, and as much of every processor
 };
 
 struct ImportProcess {

@@ -6,9 +6,12 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <map>
+#include <string_view>
 
 #include "bake/audit_size.h"
 #include "bake/bake_fixture.h"
+#include "bake/report.h"
 #include "image/exr.h"
 #include "image/metrics.h"
 #include "io/sha256.h"
@@ -28,6 +31,41 @@ class BakeProbeTest : public testing::Test {
     Scene scene_ = test::small_scene();
     CancelToken cancel_;
 };
+
+TEST_F(BakeProbeTest, TheFileSaysOfItsErrorWhatItsRowSays) {
+    bool looked_again = false;
+    for (const char* renderer : {"hybrid", "error_aware"}) {  // with a posterior and without
+        for (const double psnr_db : {24.0, 30.0, 36.0}) {
+            Json request = test::small_request(2, {{"psnr_db", psnr_db}});
+            request["quality"]["renderer"] = renderer;
+            request["products"] = {"cube", "sh"};
+            const JobSpec job = read_job(request);
+            const Plan plan = make_plan(scene_, job);
+            const std::vector<Pilot> pilots = {
+                run_pilot(scene_, job, plan, LightingState::kAlbedo, cancel_)};
+            const std::vector<ProbeResult> results = {
+                bake_probe(scene_, job, pilots[0], {.probe = 1}, cancel_)};
+            const ProbeResult& result = results[0];
+            const BakeRecord record{
+                .scene = scene_, .job = job, .plan = plan, .pilots = pilots, .results = results};
+            const Json row =
+                write_probe_row(record, pilots[0], result, result.certificate.error)["error"];
+            const std::map<std::string, double>& numbers =
+                decode_cubemap(result.files[0].bytes, "").attributes.numbers;
+            EXPECT_EQ(numbers.at("probe:err:confidence"), row["confidence"]);
+            EXPECT_EQ(numbers.at("probe:err:rmse"), row["rmse"]);
+            EXPECT_EQ(numbers.at("probe:err:rmseLow"), row["rmse_interval"][0]);
+            EXPECT_EQ(numbers.at("probe:err:rmseHigh"), row["rmse_interval"][1]);
+            const std::vector<std::byte>& bytes = result.files[1].bytes;
+            const Json sh = Json::parse(std::string_view(
+                reinterpret_cast<const char*>(bytes.data()), bytes.size()))["error"];
+            EXPECT_EQ(sh["confidence"], row["confidence"]);
+            EXPECT_EQ(sh["irradiance_rel_interval"], row["irradiance_rel_interval"]);
+            looked_again = looked_again || (result.looks > 1 && !result.pooled[0]);
+        }
+    }
+    EXPECT_TRUE(looked_again) << "looks have their own confidence from the second on";
+}
 
 TEST_F(BakeProbeTest, TheFileHoldsTheCubemapAndWhatIsKnownOfIt) {
     Json request = test::small_request();

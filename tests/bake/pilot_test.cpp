@@ -134,6 +134,36 @@ TEST_F(PilotTest, SaysWhatCannotBeReached) {
     EXPECT_EQ(limited.expectation, Expectation::kBudgetExhausted);
 }
 
+TEST(TimeBudget, StatesShareTheTimeEqually) {
+    constexpr double kPilotSeconds = 2.0;
+    const TimeBudget budget{.threads = 3, .seconds = 40.0};
+    for (const int states : {1, 4}) {
+        Json request = test::small_request(5);
+        request["lighting_states"] = Json::array();
+        for (int s = 0; s < states; ++s) {
+            request["lighting_states"].push_back(
+                {{"id", "state-" + std::to_string(s)},
+                 {"sun", {{"direction", {1, 3, 2}}, {"irradiance_w_m2", {9, 8, 7}}}}});
+        }
+        const JobSpec job = read_job(request);
+        const double renders = budget.per_pixel(job, kPilotSeconds) *
+                               static_cast<double>(pixel_count(job)) / budget.threads;
+        const double rest = budget.seconds - states * kPilotSeconds;
+        EXPECT_GT(renders, 0.7 * rest) << states;
+        EXPECT_LT(renders, 0.9 * rest) << states;
+        EXPECT_EQ(budget.per_pixel(job, 40.0), 0.0);  // nothing is left
+    }
+}
+
+TEST_F(PilotTest, APilotThatRunsOutOfTimeBlamesTheBudget) {
+    Json request = test::small_request(2, {{"psnr_db", 60.0}});
+    request["quality"]["renderer"] = "reference";  // looks at one candidate, then at the clock
+    const JobSpec job = read_job(request);
+    const Pilot pilot = run_pilot(scene_, job, make_plan(scene_, job), LightingState::kAlbedo,
+                                  cancel_, TimeBudget{.threads = 1, .seconds = 1e-6});
+    EXPECT_EQ(pilot.expectation, Expectation::kBudgetExhausted);
+}
+
 TEST_F(PilotTest, ATargetOfRaysTakesTheBestThatFits) {
     const JobSpec job = test::small_job(2, {{"rays", 6 * 16 * 16 * 8}});
     const Pilot pilot = this->pilot(job);

@@ -56,6 +56,21 @@ TEST(Judge, OwnEvidenceFirstThenTheJobs) {
               Verdict::kTargetMet);
 }
 
+TEST(Judge, WhatAllLeafRaysMissIsUnreachable) {
+    const Scene scene = test::small_scene();
+    const CancelToken cancel;
+    JobSpec job = test::small_job(1, {{"psnr_db", 30.0}});
+    job.probes[0].face_size_px = 8;
+    Pilot pilot = run_pilot(scene, job, make_plan(scene, job), LightingState::kAlbedo, cancel);
+    ASSERT_EQ(pilot.expectation, Expectation::kTargetMet);
+    // The probe is harder than any that the pilot looked at.
+    job.quality.targets[0].value = 150.0;
+    pilot.steering = {steering_of(job.quality.targets[0], pilot.steering[0]->prior)};
+    const ProbeResult result = bake_probe(scene, job, pilot, {}, cancel);
+    EXPECT_EQ(result.settings.least_grid, 16);
+    EXPECT_EQ(judge(job, pilot, result, result.certificate.error).verdict, Verdict::kUnreachable);
+}
+
 TEST(Report, AddsUpAndStatesItsEvidence) {
     const Scene scene = test::small_scene();
     const CancelToken cancel;

@@ -127,7 +127,8 @@ class Unit {
     void refine_until_good() {
         HybridCubemap cubemap(render_scene_, origin_, probe_.face_size_px, cancel_);
         reveal_hidden_light(cubemap);
-        const std::vector<double> weights = weights_of_owned_pixels();
+        const std::vector<double> weights =
+            owned_pixel_weights(job_.quality.weighting, probe_.face_size_px, pilot_.exposure);
         double goal = *first_goal();
         double price = cubemap.largest_gain();
         RenderSettings settings = hybrid_at(price);
@@ -176,20 +177,6 @@ class Unit {
     bool may_look_harder() const {
         return audit_effort_ < kHardestLook &&
                estimate_meets(job_.quality, result_.certificate.error);
-    }
-
-    /// Of the weights that pixels' predicted errors have in the metric's mean.
-    std::vector<double> weights_of_owned_pixels() const {
-        const int n = probe_.face_size_px;
-        const size_t count = 6 * static_cast<size_t>(n) * static_cast<size_t>(n);
-        std::vector<double> weights(count);
-        const double unit = 1.0 / (static_cast<double>(count) * pilot_.exposure * pilot_.exposure);
-        for (size_t i = 0; i < count; ++i) {
-            const CubePixel pixel = pixel_at(i, n);
-            weights[cube_index(owner_of(pixel, n), n)] +=
-                unit * pixel_weight(job_.quality.weighting, pixel, n);
-        }
-        return weights;
     }
 
     /// By how much the prediction has to fall for the bound to meet the target.

@@ -97,7 +97,9 @@ class Search {
         }
         pilot.settings_mse = all[chosen].error.mse.value;
         if (pilot.settings.kind == RendererKind::kHybrid) {
-            pilot.finer = lower_prices(pilot.settings.price, pilot.settings_mse);
+            pilot.finer = pilot.settings.price < 0.0
+                              ? finer_grids(pilot.settings)
+                              : lower_prices(pilot.settings.price, pilot.settings_mse);
             if (steers(pilot)) pilot.steering = steering(all[chosen]);
             return {std::move(all), chosen};
         }
@@ -167,6 +169,16 @@ class Search {
             return ratio ? ratio->value * candidate.predicted <= kFirstAim * *largest_size(target)
                          : estimate_meets(target, candidate.error);
         });
+    }
+
+    /// Where nothing is predicted: more rays in every pixel.
+    static std::vector<FinerSettings> finer_grids(RenderSettings settings) {
+        std::vector<FinerSettings> finer;
+        while (settings.leaf_grid < hybrid_at(0.0).leaf_grid) {
+            settings.leaf_grid *= 2;
+            finer.push_back({settings, 0.0});
+        }
+        return finer;
     }
 
     /// Prices in steps of two. Their errors are guessed: at half the price the squared error is

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <numbers>
+#include <vector>
 
 #include "bake/state_light.h"
 #include "render/pixel.h"
@@ -46,6 +47,10 @@ inline double pixel_weight(Weighting weighting, const CubePixel& pixel, int n) {
     const double mean = 4.0 * std::numbers::pi / (6.0 * n * n);
     return pixel_solid_angle(pixel.x, pixel.y, n) / mean;
 }
+
+/// By which squared errors of owned pixels (radiance²) add up to a cubemap's mean squared error, in
+/// the order of its image; 0 for pixels that another face owns.
+std::vector<double> owned_pixel_weights(Weighting weighting, int n, double exposure);
 
 /// What a random stream is for: streams of different purposes share no number.
 enum class StreamPurpose : uint64_t {

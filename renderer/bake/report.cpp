@@ -323,36 +323,6 @@ std::string_view name_of(Verdict verdict) {
     return kNames[static_cast<size_t>(verdict)];
 }
 
-MeasuredError pooled_error(const BakeRecord& record, const LightingState& state) {
-    const double weight = 1.0 / static_cast<double>(record.job.probes.size());
-    MeasuredError pooled;
-    double windows = 0.0;  // probes that have any
-    for (const ProbeResult& result : record.results) {
-        if (result.state.id != state.id) continue;
-        const MeasuredError& error = result.certificate.error;
-        pooled.mse.add(weight, error.mse);
-        if (error.irradiance_square) {
-            if (!pooled.irradiance_square) pooled.irradiance_square = Estimate{};
-            pooled.irradiance_square->add(weight, *error.irradiance_square);
-        } else if (error.irradiance) {
-            if (!pooled.irradiance) pooled.irradiance = NormEstimate{};
-            pooled.irradiance->add(weight, *error.irradiance);
-        }
-        if (error.rel_mse) {
-            if (!pooled.rel_mse) pooled.rel_mse = Estimate{};
-            pooled.rel_mse->add(weight, *error.rel_mse);
-        }
-        if (error.ssim) ++windows;
-    }
-    for (const ProbeResult& result : record.results) {
-        const std::optional<Estimate>& ssim = result.certificate.error.ssim;
-        if (!(result.state.id == state.id) || !ssim) continue;
-        if (!pooled.ssim) pooled.ssim = Estimate{};
-        pooled.ssim->add(1.0 / windows, *ssim);
-    }
-    return pooled;
-}
-
 Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
                 const MeasuredError& pooled) {
     // A number of rays is a limit that holds by construction.

@@ -49,9 +49,6 @@ struct BakeRecord {
     PlacesRecord places;
 };
 
-/// The audits of all probes of a state as one estimate: the mean over the probes.
-MeasuredError pooled_error(const BakeRecord& record, const LightingState& state);
-
 Json write_report(const BakeRecord& record);
 /// The row of one result; `pooled` belongs to its state.
 Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeResult& result,

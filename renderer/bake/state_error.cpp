@@ -12,6 +12,36 @@ std::optional<PooledError> own_error(QualityTarget::Metric metric, const ProbeRe
 
 }  // namespace
 
+MeasuredError pooled_error(const BakeRecord& record, const LightingState& state) {
+    const double weight = 1.0 / static_cast<double>(record.job.probes.size());
+    MeasuredError pooled;
+    double windows = 0.0;  // probes that have any
+    for (const ProbeResult& result : record.results) {
+        if (result.state.id != state.id) continue;
+        const MeasuredError& error = result.certificate.error;
+        pooled.mse.add(weight, error.mse);
+        if (error.irradiance_square) {
+            if (!pooled.irradiance_square) pooled.irradiance_square = Estimate{};
+            pooled.irradiance_square->add(weight, *error.irradiance_square);
+        } else if (error.irradiance) {
+            if (!pooled.irradiance) pooled.irradiance = NormEstimate{};
+            pooled.irradiance->add(weight, *error.irradiance);
+        }
+        if (error.rel_mse) {
+            if (!pooled.rel_mse) pooled.rel_mse = Estimate{};
+            pooled.rel_mse->add(weight, *error.rel_mse);
+        }
+        if (error.ssim) ++windows;
+    }
+    for (const ProbeResult& result : record.results) {
+        const std::optional<Estimate>& ssim = result.certificate.error.ssim;
+        if (!(result.state.id == state.id) || !ssim) continue;
+        if (!pooled.ssim) pooled.ssim = Estimate{};
+        pooled.ssim->add(1.0 / windows, *ssim);
+    }
+    return pooled;
+}
+
 std::vector<std::optional<PooledError>> state_errors(const BakeRecord& record, const Pilot& pilot) {
     const std::vector<QualityTarget>& targets = record.job.quality.targets;
     std::vector<std::optional<PooledError>> all(targets.size());

@@ -9,6 +9,9 @@
 
 namespace probebake {
 
+/// The last audits of all probes as one estimate: the mean over the probes.
+MeasuredError pooled_error(const BakeRecord& record, const LightingState& state);
+
 /// One per target, in its size (error_size); none where a target is not predicted.
 std::vector<std::optional<PooledError>> state_errors(const BakeRecord& record, const Pilot& pilot);
 

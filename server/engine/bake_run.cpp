@@ -10,6 +10,7 @@
 #include "bake/bake_probe.h"
 #include "bake/learn.h"
 #include "bake/probe_files.h"
+#include "bake/state_error.h"
 
 namespace probebake {
 namespace {

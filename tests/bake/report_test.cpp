@@ -1,5 +1,7 @@
 #include "bake/report.h"
+
 #include "bake/bake_probe.h"
+#include "bake/state_error.h"
 
 #include <gtest/gtest.h>
 

@@ -37,8 +37,10 @@ void log_request(const RequestLog& line) {
                  {"bytes", line.bytes_sent},
                  {"seconds", line.seconds}};
     if (!line.cause.empty()) json["cause"] = line.cause;
-    write(line.status >= 500 && line.status != 503 ? spdlog::level::err : spdlog::level::info,
-          std::move(json));
+    const auto level = line.status >= 500 && line.status != 503 ? spdlog::level::err
+                       : !line.cause.empty()                    ? spdlog::level::warn
+                                                                : spdlog::level::info;
+    write(level, std::move(json));
 }
 
 void log_job(const JobSnapshot& job, const std::string& cause) {

@@ -3,6 +3,12 @@
 #include "log.h"
 
 namespace probebake {
+namespace {
+
+/// However long the grace of jobs is, no client holds the end up for longer.
+constexpr std::chrono::milliseconds kMostAnswerTime{30'000};
+
+}  // namespace
 
 JobManager::Options Service::watched(const ServiceOptions& options) {
     JobManager::Options jobs = options.jobs;
@@ -35,13 +41,15 @@ Service::Service(const ServiceOptions& options)
             .sky = scene_source().sky,
             .on_pool = [this](const std::function<void()>& work) { pool_.run(work); },
             .tokens = tokens_,
+            .end = end_,
             .metrics = metrics_,
             .threads = options.threads,
             .max_waiting = static_cast<int>(options.http.pool.workers / 2),
             .max_body_bytes = options.http.guard.max_body_bytes,
             .max_upload_bytes = options.http.guard.max_upload_bytes,
             .min_free_bytes = options.store.min_free_bytes,
-            .comment_interval = options.comment_interval}),
+            .comment_interval = options.comment_interval,
+            .events_time = options.events_time}),
       http_(
           options.http,
           [this](const httplib::Request& request, httplib::Response& response,
@@ -62,8 +70,16 @@ SceneSource Service::scene_source() {
 Service::~Service() { drain(std::chrono::milliseconds(0)); }
 
 void Service::drain(std::chrono::milliseconds grace) {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + std::min(grace, kMostAnswerTime);
     jobs_.drain(grace);
-    http_.stop();
+    http_.drain(std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()));
+    end_.cancel();
+}
+
+void Service::hurry() {
+    jobs_.hurry();
+    http_.hurry();
 }
 
 std::vector<std::string> broken_scenes(const SceneLibrary& scenes) {

@@ -25,8 +25,9 @@ struct ServiceOptions {
     /// Who may do what; without: whoever reaches the service may do everything.
     std::optional<std::filesystem::path> tokens;
     bool log_requests = true;
-    /// Of silence, before a stream of events has a comment.
+    /// Of silence, before a stream of events has a comment; of a stream, before it ends.
     std::chrono::milliseconds comment_interval{15000};
+    std::chrono::milliseconds events_time{25000};
 };
 
 class Service {
@@ -40,11 +41,12 @@ class Service {
     int port() const { return http_.port(); }
     bool listening() const { return http_.listening(); }
     /// Refuses new jobs, gives running ones `grace` to end, then stops them where they are, to go
-    /// on at the next start; status and files are served until then. Scenes that still load are not
-    /// waited for here, but by the destructor.
+    /// on at the next start; status and files are served until then. Answers and uploads that are
+    /// under way in the end have what is left of the grace, 30 s of it at most, then they are cut
+    /// off. Scenes that still load are not waited for here, but by the destructor.
     void drain(std::chrono::milliseconds grace);
     /// Ends the grace.
-    void hurry() { jobs_.hurry(); }
+    void hurry();
 
   private:
     SceneSource scene_source();
@@ -56,6 +58,7 @@ class Service {
     JobStore store_;
     SceneLibrary scenes_;
     SceneUploads uploads_;
+    CancelToken end_;  // of what requests have under way
     RenderPool pool_;
     SceneCache cache_;
     JobManager jobs_;

@@ -236,8 +236,10 @@ void add_serve_command(CLI::App& app, CommandWork& work) {
         ->check(CLI::Range(1, 1 << 30))
         ->capture_default_str();
     command
-        ->add_option("--drain-seconds", options->drain_seconds,
-                     "Time that running jobs get after SIGTERM before they are stopped")
+        ->add_option(
+            "--drain-seconds", options->drain_seconds,
+            "Time that running jobs and answers get after SIGTERM before they are stopped (answers "
+            "and uploads: at most 30)")
         ->check(CLI::Range(0.0, 86400.0))
         ->capture_default_str();
     command->add_option("--tokens", options->service.tokens,

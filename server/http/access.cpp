@@ -2,7 +2,9 @@
 
 #include <openssl/crypto.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 
 #include "io/file.h"
 #include "io/sha256.h"
@@ -18,6 +20,7 @@ bool is_digest(const std::string& text) {
     return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+/// A time of the calendar in the one form that can be compared as text.
 bool is_time(const std::string& text) {
     constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
     if (text.size() != kForm.size()) return false;
@@ -25,7 +28,22 @@ bool is_time(const std::string& text) {
         const bool digit = text[i] >= '0' && text[i] <= '9';
         if (kForm[i] == 'd' ? !digit : text[i] != kForm[i]) return false;
     }
-    return true;
+    const auto number = [&](size_t at, size_t digits) {
+        return std::stoi(text.substr(at, digits));
+    };
+    const std::chrono::year_month_day day{std::chrono::year(number(0, 4)),
+                                          std::chrono::month(static_cast<unsigned>(number(5, 2))),
+                                          std::chrono::day(static_cast<unsigned>(number(8, 2)))};
+    return day.ok() && number(11, 2) < 24 && number(14, 2) < 60 && number(17, 2) < 60;
+}
+
+/// "Bearer " in whatever case.
+bool is_bearer(std::string_view authorization) {
+    constexpr std::string_view kScheme = "bearer ";
+    return authorization.size() >= kScheme.size() &&
+           std::equal(kScheme.begin(), kScheme.end(), authorization.begin(), [](char ours, char c) {
+               return ours == (c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+           });
 }
 
 }  // namespace
@@ -65,9 +83,8 @@ Tokens::Tokens(const std::filesystem::path& file) : required_(true) {
 }
 
 std::optional<Identity> Tokens::find(std::string_view authorization, std::string_view now) const {
-    constexpr std::string_view kBearer = "Bearer ";
-    if (authorization.substr(0, kBearer.size()) != kBearer) return std::nullopt;
-    const std::string_view token = authorization.substr(kBearer.size());
+    if (!is_bearer(authorization)) return std::nullopt;
+    const std::string_view token = authorization.substr(authorization.find(' ') + 1);
     const std::string digest = sha256_hex(std::as_bytes(std::span(token)));
     std::optional<Identity> found;
     for (const Entry& entry : entries_) {

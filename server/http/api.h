@@ -33,6 +33,8 @@ class Api {
         /// Does work for a check on the render threads.
         std::function<void(const std::function<void()>&)> on_pool;
         const Tokens& tokens;
+        /// Cancelled when the service ends: imports that a request has under way are given up.
+        const CancelToken& end;
         Metrics& metrics;
         int threads = 1;  // of the render pool, for the version
         /// Answers that wait (long polls, events, archives) at once.

@@ -1,6 +1,7 @@
 // Scenes: those that jobs may name, and those that clients bring.
 #include "http/api.h"
 #include "http/file_answer.h"
+#include "http/guard.h"
 #include "http/query.h"
 #include "io/io_error.h"
 #include "io/sha256.h"
@@ -110,8 +111,10 @@ void Api::scene(const Call& call) {
 void Api::upload_scene(const Call& call) {
     QueryReader(call.request).refuse_unknown();
     const std::string name = scene_name(call.params);
-    if (!is_name(name))
+    // By the target, too: an encoded name passed the guard as something else, with other limits.
+    if (!is_name(name) || !is_upload(call.request.method, call.request.target)) {
         refuse(404, "unknown-scene", "expected a name that matches [a-z0-9][a-z0-9._-]{0,63}");
+    }
     if (call.request.get_header_value("Repr-Digest").rfind("sha-256=:", 0) != 0) {
         refuse(400, "digest-required",
                "expected the header \"Repr-Digest: sha-256=:...:\", of the body");
@@ -129,8 +132,10 @@ void Api::upload_scene(const Call& call) {
     TemporaryFile archive(parts_.store.data());
     receive(call.request, *call.upload, archive);
     try {
-        const bool replaced = parts_.uploads.put(name, archive.path(), CancelToken());
+        const bool replaced = parts_.uploads.put(name, archive.path(), parts_.end);
         call.response.status = replaced ? 200 : 201;
+    } catch (const Cancelled&) {
+        throw ServiceBusy("draining", "the service ends");
     } catch (const IoError& error) {
         throw SpecError(SpecError::Kind::kUnacceptable, "", error.what());
     }

@@ -18,6 +18,27 @@ std::string event(const std::string& name, const std::string& id, const Json& da
     return "event: " + name + "\nid: " + id + "\ndata: " + dump_json(data) + "\n\n";
 }
 
+/// An answer that is made while it is sent. HTTP/1.0 knows no chunks: there it ends with the
+/// connection.
+void answer_stream(const char* type, httplib::ContentProviderWithoutLength provider,
+                   const httplib::Request& request, httplib::Response& response) {
+    if (request.version == "HTTP/1.0") {
+        response.set_content_provider(type, std::move(provider));
+    } else {
+        response.set_chunked_content_provider(type, std::move(provider));
+    }
+}
+
+/// Thrown for a file that is not as it was baked.
+class DamagedFile : public IoError {
+  public:
+    DamagedFile(const std::string& name, int64_t unit) : IoError(name, "is damaged"), unit_(unit) {}
+    int64_t unit() const { return unit_; }
+
+  private:
+    int64_t unit_;
+};
+
 /// A ustar archive that is written into an answer.
 class TarStream {
   public:
@@ -73,8 +94,8 @@ class TarStream {
     archive* tar_;
 };
 
-/// Every file of a job, then the list of them. Throws IoError for a damaged one: the archive then
-/// has no end, and no reader takes it for whole.
+/// Every file of a job, then the list of them. Throws DamagedFile: the archive then has no end, and
+/// no reader takes it for whole.
 void write_archive(JobStore& store, const JobSnapshot& job, httplib::DataSink& sink) {
     TarStream tar(sink);
     const std::string root = job.id + "/";
@@ -88,8 +109,9 @@ void write_archive(JobStore& store, const JobSnapshot& job, httplib::DataSink& s
             for (const StoredFile& file : unit.files) {
                 const auto found =
                     store.open_unit_file(job.sequence, unit.name.probe, unit.name.state, file.name);
-                if (!found || !found->content) throw IoError(file.name, "is damaged");
                 const std::string name = unit.name.probe + "/" + unit.name.state + "/" + file.name;
+                if (!found) throw IoError(name, "is gone");
+                if (!found->content) throw DamagedFile(name, found->unit);
                 tar.add(root + name, *found->content);
                 list(name, file);
             }
@@ -97,7 +119,7 @@ void write_archive(JobStore& store, const JobSnapshot& job, httplib::DataSink& s
         if (units.size() < kUnitPage) break;
     }
     if (const auto report = store.open_job_file(job.sequence, kReportFile)) {
-        if (!report->content) throw IoError(kReportFile, "is damaged");
+        if (!report->content) throw DamagedFile(kReportFile, report->unit);
         tar.add(root + kReportFile, *report->content);
         list(kReportFile, report->file);
     }
@@ -122,7 +144,7 @@ void Api::events(const Call& call) {
     const auto end = Clock::now() + parts_.events_time;
     call.response.headers.erase("Cache-Control");
     call.response.set_header("Cache-Control", "no-store");
-    call.response.set_chunked_content_provider(
+    answer_stream(
         "text/event-stream",
         [this, id = job.id, place, id_of, last, end](size_t offset, httplib::DataSink& sink) {
             if (offset == 0) {
@@ -131,7 +153,10 @@ void Api::events(const Call& call) {
             }
             std::optional<JobSnapshot> now = parts_.jobs.find(id);
             if (now && id_of(*now) == *last && !is_terminal(now->state)) {
-                now = parts_.jobs.wait_for_change(id, now->version, parts_.comment_interval);
+                const auto left =
+                    std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+                now = parts_.jobs.wait_for_change(id, now->version,
+                                                  std::min(parts_.comment_interval, left));
             }
             std::string text = ": still there\n\n";
             if (now && id_of(*now) != *last) {
@@ -144,7 +169,8 @@ void Api::events(const Call& call) {
                 sink.done();
             }
             return true;
-        });
+        },
+        call.request, call.response);
 }
 
 void Api::archive(const Call& call) {
@@ -157,17 +183,30 @@ void Api::archive(const Call& call) {
                                       ": an archive is made when it has ended"});
     }
     const auto place = std::make_shared<Place>(waiting_, parts_.max_waiting, "too-many-waiting");
+    const std::optional<OpenStored> report = parts_.store.open_job_file(job.sequence, kReportFile);
+    if (report && !report->content) {
+        throw ProblemError({.status = 410,
+                            .code = "damaged",
+                            .detail = "the report was damaged on the service's disk and cannot be "
+                                      "made again; the other files are there one by one"});
+    }
     call.response.set_header("Content-Disposition", "attachment; filename=\"" + job.id + ".tar\"");
-    call.response.set_chunked_content_provider(
-        "application/x-tar", [this, job, place](size_t, httplib::DataSink& sink) {
+    answer_stream(
+        "application/x-tar",
+        [this, job, place](size_t, httplib::DataSink& sink) {
+            // The answer has begun: all that is left of errors is to break it off.
             try {
                 write_archive(parts_.store, job, sink);
+            } catch (const DamagedFile& file) {
+                parts_.jobs.mend(job.id, file.unit());
+                throw;  // into the log
             } catch (const IoError&) {
-                return false;  // the answer has begun: all that is left is to break it off
+                return false;
             }
             sink.done();
             return true;
-        });
+        },
+        call.request, call.response);
 }
 
 }  // namespace probebake

@@ -157,6 +157,8 @@ void Connection::send(std::string_view text) {
 
 void Connection::hang_up() { ::shutdown(socket_, SHUT_WR); }
 
+void Connection::cut_off() const { ::shutdown(socket_, SHUT_RDWR); }
+
 void Connection::finish() {
     hang_up();
     const Clock::time_point end = Clock::now() + limits_.linger_time;

@@ -46,6 +46,8 @@ class Connection : public httplib::Stream {
     /// The same, and lets it read that: closing with unread input would reset the connection and
     /// take the answer away from it.
     void finish();
+    /// Ends it for whoever reads or writes, at once. The one function for other threads.
+    void cut_off() const;
 
     /// Status of the answer, 0 before it began; bytes sent.
     int status() const { return status_; }

@@ -103,10 +103,12 @@ void answer_digested(std::shared_ptr<const OpenFile> file, const std::string& sh
         return;
     }
     const uint64_t size_bytes = file->size_bytes();
-    const bool same =
-        !request.has_header("If-Range") || request.get_header_value("If-Range") == etag;
+    // Ranges are for GET only (RFC 9110, 14.2).
+    const bool may_be_part =
+        request.method == "GET" &&
+        (!request.has_header("If-Range") || request.get_header_value("If-Range") == etag);
     const std::optional<ByteRange> range =
-        same ? read_range(request.get_header_value(kRangeHeader), size_bytes) : std::nullopt;
+        may_be_part ? read_range(request.get_header_value(kRangeHeader), size_bytes) : std::nullopt;
     const auto tell_digest = [&] { response.set_header("Repr-Digest", repr_digest(sha256)); };
     if (!range) {
         tell_digest();

@@ -100,7 +100,9 @@ void check_host(const HeaderMap& headers, const GuardLimits& limits) {
         if (!digits) refuse_syntax("the header \"host\" is not a name with a port");
         name.resize(colon);
     }
-    if (std::find(limits.hosts.begin(), limits.hosts.end(), name) == limits.hosts.end()) {
+    const bool known = std::any_of(limits.hosts.begin(), limits.hosts.end(),
+                                   [&](const std::string& ours) { return lower(ours) == name; });
+    if (!known) {
         refuse(421, "unknown-host", "this service does not answer to that host name");
     }
 }
@@ -145,9 +147,9 @@ void read_request_line(std::string_view line, const GuardLimits& limits, Guarded
     }
     out.method = line.substr(0, first);
     out.target = line.substr(first + 1, last - first - 1);
-    const std::string_view version = line.substr(last + 1);
+    out.version = line.substr(last + 1);
     if (!is_token(out.method)) refuse_syntax("the method is not a word");
-    if (version != "HTTP/1.1" && version != "HTTP/1.0") {
+    if (out.version != "HTTP/1.1" && out.version != "HTTP/1.0") {
         refuse_syntax("the version is neither HTTP/1.1 nor HTTP/1.0");
     }
     if (out.target.size() > limits.max_target_bytes) {
@@ -200,8 +202,9 @@ void pass_on(const HeaderMap& headers, std::string& text) {
 
 bool is_upload(std::string_view method, std::string_view target) {
     const std::string_view prefix = kUploadPrefix;
-    return method == "PUT" && target.substr(0, prefix.size()) == prefix &&
-           target.find_first_of("/?", prefix.size()) == std::string_view::npos;
+    return method == "PUT" && target.size() > prefix.size() &&
+           target.substr(0, prefix.size()) == prefix &&
+           target.find_first_of("/?%", prefix.size()) == std::string_view::npos;
 }
 
 GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
@@ -218,7 +221,7 @@ GuardedHead guard_head(std::string_view head, const GuardLimits& limits,
         body_length(out.method, headers, upload ? limits.max_upload_bytes : limits.max_body_bytes);
 
     std::string& text = out.for_library;
-    text = out.method + " " + out.target + " HTTP/1.1\r\nX-Request-Id: " + request_id +
+    text = out.method + " " + out.target + " " + out.version + "\r\nX-Request-Id: " + request_id +
            "\r\nConnection: close\r\nContent-Length: " + std::to_string(out.body_bytes) + "\r\n";
     if (out.body_bytes > 0) {
         const std::optional<std::string> type = single(headers, "content-type");

@@ -25,19 +25,22 @@ struct GuardLimits {
     uint64_t max_body_bytes = uint64_t{1} << 20;
     /// Of a scene (is_upload); 0: none is taken.
     uint64_t max_upload_bytes = 0;
-    /// Host names that clients may address, without port; lower case.
+    /// Host names that clients may address, without port.
     std::vector<std::string> hosts = {"localhost", "127.0.0.1", "[::1]"};
 };
 
 struct GuardedHead {
     std::string method;
     std::string target;
+    std::string version;  // HTTP/1.0 or HTTP/1.1
     uint64_t body_bytes = 0;
     std::string real_ip;      // what X-Real-IP says; only a proxy of ours is to be believed
     std::string for_library;  // the head written anew, with its blank line
 };
 
-/// The requests that bring a scene, a tar instead of JSON: PUT on these paths.
+/// The requests that bring a scene, a tar instead of JSON: PUT on these paths. The name is a plain
+/// one: the library decodes %XX before it looks for who reads the body, and would hold a body whole
+/// in memory that nobody is there to read bit by bit.
 inline constexpr const char* kUploadPattern = "/v1/scenes/[^/]+";
 inline constexpr const char* kUploadPrefix = "/v1/scenes/";
 bool is_upload(std::string_view method, std::string_view target);

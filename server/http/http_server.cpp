@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -23,6 +26,11 @@ constexpr const char* kRequestId = "X-Request-Id";
 constexpr int kRetrySeconds = 2;
 /// A client that is refused for want of threads gets this long to read that.
 constexpr std::chrono::milliseconds kRefusalTime{20};
+/// Short answers that are under way get this long where a drain has no more time.
+constexpr std::chrono::milliseconds kLastAnswers{500};
+
+/// What went wrong inside with the request that this thread answers; for the log only.
+thread_local std::string internal_cause;
 
 std::string new_request_id() { return "r-" + new_job_id().substr(2, 16); }
 
@@ -60,22 +68,57 @@ class HttpServer::Library : public httplib::Server {
         configure();
         bind();
         listener_ = std::jthread([this] {
-            listen_after_bind();
+            listen_after_bind();  // returns when all that was taken is answered
+            const std::lock_guard lock(mutex_);
             listening_ = false;
+            changed_.notify_all();
         });
         while (!is_running() && listening_) std::this_thread::yield();
     }
-    ~Library() override { stop_listening(); }
+    ~Library() override { drain(std::chrono::milliseconds(0)); }
 
-    void stop_listening() {
-        stop();
-        if (listener_.joinable()) listener_.join();
-        if (options_.socket) ::unlink(options_.socket->c_str());
+    void drain(std::chrono::milliseconds time) {
+        std::unique_lock lock(mutex_);
+        // Not stop(), upon which the library breaks all downloads off.
+        if (!std::exchange(draining_, true)) {
+            ::shutdown(svr_sock_, SHUT_RDWR);
+            if (options_.socket) ::unlink(options_.socket->c_str());
+        }
+        changed_.wait_for(lock, std::max(time, kLastAnswers),
+                          [&] { return !listening_ || hurry_ || cut_off_; });
+        cut_off_ = true;
+        for (const Connection* connection : open_) connection->cut_off();
+    }
+    void hurry() {
+        const std::lock_guard lock(mutex_);
+        hurry_ = true;
+        changed_.notify_all();
     }
     int port() const { return port_; }
     bool listening() const { return listening_; }
 
   private:
+    /// A connection that drain() can cut off.
+    class Open {
+      public:
+        Open(Library& library, const Connection& connection)
+            : library_(library), connection_(connection) {
+            const std::lock_guard lock(library_.mutex_);
+            library_.open_.insert(&connection_);
+            if (library_.cut_off_) connection_.cut_off();
+        }
+        ~Open() {
+            const std::lock_guard lock(library_.mutex_);
+            library_.open_.erase(&connection_);
+        }
+        Open(const Open&) = delete;
+        Open& operator=(const Open&) = delete;
+
+      private:
+        Library& library_;
+        const Connection& connection_;
+    };
+
     /// Called by the library with every socket that it accepted.
     bool process_and_close_socket(socket_t socket) override {
         pool_.add(socket);
@@ -110,10 +153,10 @@ class HttpServer::Library : public httplib::Server {
         Patch(any, handle);
         Delete(any, handle);
         Options(any, handle);
-        set_exception_handler([this](const httplib::Request& request, httplib::Response& response,
-                                     const std::exception_ptr& exception) {
+        set_exception_handler([](const httplib::Request& request, httplib::Response& response,
+                                 const std::exception_ptr& exception) {
             const Problem problem = problem_of(exception);
-            if (problem.status == 500) log_cause(request, what_of(exception));
+            if (problem.status == 500) internal_cause = what_of(exception);
             answer_problem(problem, request, response);
         });
         set_error_handler([](const httplib::Request& request, httplib::Response& response) {
@@ -151,16 +194,19 @@ class HttpServer::Library : public httplib::Server {
         const auto start = std::chrono::steady_clock::now();
         RequestLog line{.request_id = new_request_id()};
         Connection connection(socket, options_.connection);
+        const Open open(*this, connection);
+        internal_cause.clear();
         try {
             answer(connection, line);
         } catch (...) {
             const std::exception_ptr exception = std::current_exception();
             const Problem problem = problem_of(exception);
-            if (problem.status == 500) line.cause = what_of(exception);
+            if (problem.status == 500) internal_cause = what_of(exception);
             if (connection.bytes_sent() == 0) {
                 connection.send(raw_response(problem, line.request_id));
             }
         }
+        line.cause = internal_cause;
         line.status = connection.status();
         line.bytes_sent = connection.bytes_sent();
         line.seconds =
@@ -206,13 +252,17 @@ class HttpServer::Library : public httplib::Server {
         };
     }
 
-    void log_cause(const httplib::Request& request, std::string cause) {
-        log_({.request_id = request_id_of(request), .cause = std::move(cause)});
-    }
-
     const HttpServer::Options options_;
     const HttpServer::Handler handler_;
     const Log log_;
+    std::mutex mutex_;
+    // Guarded by mutex_:
+    std::condition_variable changed_;  // listening_, hurry_
+    std::set<const Connection*> open_;
+    bool draining_ = false;
+    bool hurry_ = false;
+    bool cut_off_ = false;
+
     ConnectionPool pool_;
     int port_ = 0;
     std::atomic<bool> listening_{true};
@@ -228,7 +278,9 @@ int HttpServer::port() const { return library_->port(); }
 
 bool HttpServer::listening() const { return library_->listening(); }
 
-void HttpServer::stop() { library_->stop_listening(); }
+void HttpServer::drain(std::chrono::milliseconds time) { library_->drain(time); }
+
+void HttpServer::hurry() { library_->hurry(); }
 
 std::string request_id_of(const httplib::Request& request) {
     return request.get_header_value(kRequestId);

@@ -31,7 +31,7 @@ struct RequestLog {
     int status = 0;  // 0: the client went before it was answered
     uint64_t bytes_sent = 0;
     double seconds = 0.0;
-    std::string cause;  // of an internal error; never shown to the client
+    std::string cause;  // of an internal error, or why it broke off; never shown to the client
 };
 
 class HttpServer {
@@ -59,8 +59,11 @@ class HttpServer {
     int port() const;  // 0 with a unix socket
     /// False once the socket does not accept any more.
     bool listening() const;
-    /// Takes no more connections; answers what was taken, but breaks downloads off.
-    void stop();
+    /// Takes no more connections and answers what was taken, for at most this long; what is still
+    /// going on then is cut off, however slow the client. Threads are waited for by the destructor.
+    void drain(std::chrono::milliseconds time);
+    /// Ends the time of a drain() now.
+    void hurry();
 
   private:
     class Library;

@@ -52,6 +52,12 @@ class ServiceProcess {
         EXPECT_EQ(get("/healthz").first, 200) << service_->err() << (proxy_ ? proxy_->err() : "");
     }
 
+    ~ServiceProcess() {
+        if (proxy_) proxy_->end();
+    }
+    ServiceProcess(const ServiceProcess&) = delete;
+    ServiceProcess& operator=(const ServiceProcess&) = delete;
+
     int port() const { return port_; }
     Process& process() { return *service_; }
     bool running() { return !service_->wait(std::chrono::milliseconds(0)); }
@@ -139,10 +145,12 @@ class ServiceProcess {
         write_text(path("nginx.conf"), conf);
         std::filesystem::create_directories(path("nginx"));
         const std::string user = ::geteuid() == 0 ? " user root;" : "";
+        // In order, also if this process is killed: the workers outlive a killed master.
         proxy_.emplace(folder_ / "proxy",
-                       std::vector<std::string>{"-e", "stderr", "-p", folder_.string(), "-c",
-                                                path("nginx.conf"), "-g", "daemon off;" + user},
-                       Process::Program{kNginx, {}});
+                       std::vector<std::string>{"--pdeathsig", "TERM", kNginx, "-e", "stderr", "-p",
+                                                folder_.string(), "-c", path("nginx.conf"), "-g",
+                                                "daemon off;" + user},
+                       Process::Program{"/usr/bin/setpriv", {}});
         return port;
     }
 

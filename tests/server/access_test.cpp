@@ -44,11 +44,25 @@ TEST_F(AccessTest, ATokenIsKnownByItsDigest) {
     EXPECT_TRUE(who->may(Scope::kSubmit) && who->may(Scope::kRead) && who->may(Scope::kOpen));
     EXPECT_FALSE(who->may(Scope::kAdmin) || who->may(Scope::kMetrics) || who->sees("other"));
     EXPECT_FALSE(tokens.find("Bearer " + old, kNow)) << "expired";
+    EXPECT_TRUE(tokens.find("bearer " + token, kNow)) << "schemes have no case";
+    EXPECT_TRUE(tokens.find("BEARER " + token, kNow));
     EXPECT_TRUE(tokens.find("Bearer " + fresh, kNow)->may(Scope::kMetrics));
     for (const std::string& wrong :
-         {std::string(), token, std::string("Bearer"), std::string("Bearer "), "bearer " + token,
+         {std::string(), token, std::string("Bearer"), std::string("Bearer "), "Bearer" + token,
           "Bearer " + token + "x", "Bearer " + token.substr(1), "Basic " + token}) {
         EXPECT_FALSE(tokens.find(wrong, kNow)) << wrong;
+    }
+}
+
+TEST_F(AccessTest, AnExpiryIsATimeOfTheCalendar) {
+    for (const char* good : {"2027-01-31T00:00:00Z", "2028-02-29T23:59:59Z"}) {
+        EXPECT_NO_THROW(add("lab", {"read"}, good)) << good;
+    }
+    for (const char* bad :
+         {"2027-99-99T99:99:99Z", "2027-02-29T00:00:00Z", "2027-00-01T00:00:00Z",
+          "2027-04-31T00:00:00Z", "2027-01-01T24:00:00Z", "2027-01-01T00:60:00Z",
+          "2027-01-01T00:00:60Z", "2027-01-01 00:00:00Z", "2027-01-01T00:00:00"}) {
+        EXPECT_THROW(add("lab", {"read"}, bad), SpecError) << bad;
     }
 }
 

@@ -8,6 +8,7 @@
 #include "http/file_answer.h"
 #include "http/query.h"
 #include "io/sha256.h"
+#include "raw_client.h"
 #include "running_service.h"
 
 namespace probebake {
@@ -203,6 +204,38 @@ TEST(ApiWaiting, EventsThatHaveNothingToSayHaveAComment) {
     service.post(path_of(running) + ":cancel");
 }
 
+TEST(ApiWaiting, EventsEndAfterTheirTimeHoweverSilent) {
+    RunningService service([](ServiceOptions& options) {
+        options.jobs.max_running = 1;
+        options.comment_interval = std::chrono::seconds(60);
+        options.events_time = std::chrono::milliseconds(700);
+    });
+    service.submit(test::costly_request(5000, 8));
+    const std::string id = service.submit(test::net_request(1));
+    std::string body;
+    EXPECT_LT(test::seconds_of([&] { body = service.get(path_of(id) + "/events").body; }), 20.0);
+    EXPECT_NE(body.find("event: status"), std::string::npos) << body;
+    EXPECT_EQ(body.find("event: end"), std::string::npos) << body;
+}
+
+// A client of HTTP/1.0 takes what comes until the connection ends.
+TEST(ApiWaiting, StreamsHaveNoChunksInHttp10) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(1));
+    for (const char* stream : {"/events", "/archive.tar"}) {
+        const auto answer = [&](const std::string& version) {
+            return test::exchange(service.port(), "GET " + path_of(id) + stream + " HTTP/" +
+                                                      version + "\r\nHost: localhost\r\n\r\n");
+        };
+        const std::string old = answer("1.0");
+        EXPECT_EQ(test::status_of(old), 200);
+        EXPECT_EQ(old.find("Transfer-Encoding"), std::string::npos) << stream;
+        EXPECT_EQ(old.find("Content-Length"), std::string::npos) << stream;
+        EXPECT_EQ(old.substr(old.find("\r\n\r\n") + 4), service.get(path_of(id) + stream).body);
+        EXPECT_NE(answer("1.1").find("Transfer-Encoding: chunked"), std::string::npos) << stream;
+    }
+}
+
 TEST(ApiWaiting, WaitersLeaveHalfOfTheThreadsAlone) {
     RunningService service([](ServiceOptions& options) { options.http.pool.workers = 4; });
     const std::string id = service.submit(test::costly_request(5000, 16));
@@ -273,6 +306,7 @@ TEST(ApiFiles, APartOfAFileIsAnswered) {
     EXPECT_EQ(
         service.get(file, {{"Range", "bytes=0-1"}, {"If-Range", whole.header("ETag")}}).status,
         206);
+    EXPECT_EQ(service.client().Head(file, {{"Range", "bytes=0-1"}})->status, 200) << "GET only";
 }
 
 TEST(ApiFiles, AnArchiveHoldsEveryFile) {
@@ -296,6 +330,43 @@ TEST(ApiFiles, AnArchiveHoldsEveryFile) {
     }
     const std::string running = service.submit(test::costly_request(5000, 8));
     EXPECT_EQ(service.get(path_of(running) + "/archive.tar").status, 409);
+}
+
+TEST(ApiFiles, AnArchiveHealsWhatItFindsDamaged) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(3));
+    const std::string path = path_of(id) + "/archive.tar";
+    const std::string whole = service.get(path).body;
+    const std::string tag = service.get(path_of(id) + "/probes/p1/albedo/cube.exr").header("ETag");
+    const std::string digest = tag.substr(1, 64);
+    const std::filesystem::path file =
+        service.options().data / "files" / digest.substr(0, 2) / digest;
+    std::string bytes = test::read_text(file);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    test::write_text(file, bytes);
+    EXPECT_FALSE(service.client().Get(path)) << "an archive without an end";
+    httplib::Result again = service.client().Get(path);
+    for (int i = 0; i < 6000 && !again; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        again = service.client().Get(path);
+    }
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->body, whole);
+    EXPECT_EQ(service.state(id), "SUCCEEDED");
+    const std::string metrics = service.get("/metrics").body;
+    EXPECT_NE(metrics.find("damaged_units_total{result=\"mended\"} 1"), std::string::npos)
+        << metrics;
+}
+
+TEST(ApiFiles, AnArchiveWithoutItsReportIsGone) {
+    RunningService service;
+    const std::string id = service.bake(test::net_request(1));
+    const std::string report = service.get(path_of(id) + "/report").body;
+    const std::string digest = sha256_hex(std::as_bytes(std::span(report)));
+    test::write_text(service.options().data / "files" / digest.substr(0, 2) / digest, "{}");
+    const Answer gone = service.get(path_of(id) + "/archive.tar");
+    EXPECT_EQ(gone.status, 410);
+    EXPECT_EQ(gone.json().at("type"), "urn:probebake:damaged");
 }
 
 TEST(ApiRetention, AFinishedJobCanBeDeleted) {

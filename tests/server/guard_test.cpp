@@ -84,6 +84,10 @@ TEST(Guard, RefusesForeignHosts) {
         EXPECT_EQ(with_host(host), 421) << host;
     }
     EXPECT_EQ(with_host("localhost:8080x"), 400);
+    GuardLimits limits;
+    limits.hosts.emplace_back("Bakes.Example.ORG");
+    EXPECT_NO_THROW(
+        guard_head("GET / HTTP/1.1\r\nHost: bakes.EXAMPLE.org:80\r\n\r\n", limits, "r-1"));
     EXPECT_EQ(judged("GET / HTTP/1.1\r\n\r\n"), 400);
     EXPECT_EQ(judged("GET / HTTP/1.1\r\nHost: localhost\r\nHost: localhost\r\n\r\n"), 400);
 }
@@ -115,6 +119,33 @@ TEST(Guard, RefusesWhatIsNotPlainHttp) {
     EXPECT_EQ(judged("BREW / HTTP/1.1\r\nHost: localhost\r\n\r\n"), 501);
     EXPECT_EQ(judged("TRACE / HTTP/1.1\r\nHost: localhost\r\n\r\n"), 501);
     EXPECT_EQ(judged(get("Expect: 200-ok\r\n")), 417);
+}
+
+TEST(Guard, OnlyAPlainNameMakesAnUpload) {
+    GuardLimits limits;
+    limits.max_upload_bytes = uint64_t{64} << 20;
+    const auto put = [&](const std::string& target, const std::string& type) {
+        try {
+            return guard_head("PUT " + target + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " +
+                                  type + "\r\nContent-Length: 2000000\r\n\r\n",
+                              limits, "r-1")
+                .body_bytes;
+        } catch (const ProblemError& error) {
+            return static_cast<uint64_t>(error.problem().status);
+        }
+    };
+    EXPECT_EQ(put("/v1/scenes/castle", "application/x-tar"), 2000000U);
+    // The library would find other paths in these, whose bodies it holds in memory.
+    for (const char* target : {"/v1/scenes/a%2Fb", "/v1/scenes/%61", "/v1/scenes/a?b",
+                               "/v1/scenes/a/b", "/v1/scenes/", "/v1/scenes"}) {
+        EXPECT_EQ(put(target, "application/x-tar"), 413U) << target;
+        EXPECT_EQ(put(target, "application/json"), 413U) << target;
+    }
+}
+
+TEST(Guard, TheVersionIsTheClients) {
+    const GuardedHead head = guard_head("GET / HTTP/1.0\r\nHost: localhost\r\n\r\n", {}, "r-1");
+    EXPECT_EQ(head.for_library.rfind("GET / HTTP/1.0\r\n", 0), 0U) << head.for_library;
 }
 
 TEST(Guard, CountsHeaders) {

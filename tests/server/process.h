@@ -60,6 +60,11 @@ class Process {
 
     pid_t pid() const { return pid_; }
     void signal(int number) const { ::kill(pid_, number); }
+    /// Ends it in order, so that it ends its own children: nginx's workers outlive a killed master.
+    void end() {
+        signal(SIGTERM);
+        wait(std::chrono::seconds(30));
+    }
     /// The exit code; -1 where a signal ended it; no value where it still runs after that time.
     std::optional<int> wait(std::chrono::milliseconds time = std::chrono::seconds(60)) {
         const auto end = std::chrono::steady_clock::now() + time;

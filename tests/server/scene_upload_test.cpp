@@ -6,6 +6,7 @@
 #include "http/file_answer.h"
 #include "io/file.h"
 #include "io/sha256.h"
+#include "raw_client.h"
 #include "running_service.h"
 #include "scene/vox_seeds.h"
 
@@ -123,6 +124,44 @@ TEST_F(SceneUploadTest, WhatDoesNotArriveAsItWasSentIsRefused) {
     EXPECT_EQ(put("Castle", body).status, 404);
     EXPECT_FALSE(is_there("castle"));
     EXPECT_EQ(temporary_files(), 0U);
+}
+
+// The library finds a scene's path in these; the guard took them for requests of other limits.
+TEST_F(SceneUploadTest, OnlyAPlainNameIsTaken) {
+    const std::string body = whole_scene();
+    for (const char* name : {"%63astle", "castle%2Fb", "castle?"}) {
+        EXPECT_EQ(put(name, body, std::nullopt, "application/json").status, 404) << name;
+    }
+    EXPECT_FALSE(is_there("castle"));
+    EXPECT_EQ(temporary_files(), 0U);
+}
+
+TEST_F(SceneUploadTest, AnImportDoesNotHoldUpTheEnd) {
+    const test::TempFolder folder;
+    const std::filesystem::path importer = folder.path() / "importer";
+    test::write_text(importer, "#!/bin/sh\ntouch \"$0.runs\"\nexec sleep 600\n");
+    std::filesystem::permissions(importer, std::filesystem::perms::owner_all);
+    RunningService service([&](ServiceOptions& options) {
+        allow(options);
+        options.cache.importer->program = importer;
+    });
+    const std::string body = whole_scene();
+    const std::string head =
+        "PUT /v1/scenes/castle HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/x-tar\r\n"
+        "Repr-Digest: " +
+        repr_digest(sha256_hex(std::as_bytes(std::span(body)))) +
+        "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n";
+    test::RawClient client(service.port());
+    ASSERT_TRUE(client.send(head + body));
+    for (int i = 0; i < 2000 && !std::filesystem::exists(importer.string() + ".runs"); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ASSERT_TRUE(std::filesystem::exists(importer.string() + ".runs"));
+    EXPECT_LT(test::seconds_of([&] {
+                  (*service).drain(std::chrono::milliseconds(100));
+                  service.stop();
+              }),
+              test::patient(5.0));
 }
 
 TEST_F(SceneUploadTest, TheLibrarysOwnScenesStay) {

@@ -25,17 +25,23 @@ class ServeScriptTest : public testing::Test {
         test::write_scenes(folder_.path() / "scenes");
         script_.emplace(folder_.path() / "script",
                         std::vector<std::string>{
+                            "--pdeathsig", "TERM", PROBEBAKE_SOURCE_DIR "/scripts/serve",
                             "--listen", "127.0.0.1:" + std::to_string(port_), "--host-name",
                             "bakes.example", "--max-upload-mib", "2", "--data", path("data"),
                             "--scenes", path("scenes"), "--threads", "2", "--drain-seconds", "0"},
                         test::Process::Program{
-                            PROBEBAKE_SOURCE_DIR "/scripts/serve",
+                            "/usr/bin/setpriv",
                             {"PROBEBAKE=" PROBEBAKE_BINARY, "PROBEBAKE_RUN=" + path("run")}});
         for (int i = 0; i < 3000 && status("/healthz") != 200; ++i) {
             ASSERT_FALSE(script_->wait(0ms)) << script_->err();
             std::this_thread::sleep_for(10ms);
         }
         ASSERT_EQ(status("/healthz"), 200) << script_->err();
+    }
+
+    // In order: what the script started outlives a killed script.
+    void TearDown() override {
+        if (script_) script_->end();
     }
 
     std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
@@ -108,6 +114,53 @@ TEST_F(ServeScriptTest, NoneOfThePairOutlivesTheOther) {
     ::kill(nginx, SIGKILL);
     ASSERT_TRUE(script_->wait(20s)) << script_->err();
     EXPECT_FALSE(fs::exists(path("run/probebake.sock"))) << "the service was not ended in order";
+    EXPECT_FALSE(test::RawClient(port_).connected()) << "a worker of nginx still listens";
+}
+
+TEST_F(ServeScriptTest, WhatNginxRefusesIsInTheServicesForm) {
+    for (const char* host : {"localhost", "evil.example"}) {
+        const std::string answer =
+            test::exchange(port_, std::string("TRACE / HTTP/1.1\r\nConnection: close\r\nHost: ") +
+                                      host + "\r\n\r\n");
+        EXPECT_EQ(test::status_of(answer), 501) << answer;
+        EXPECT_NE(answer.find("urn:probebake:unknown-method"), std::string::npos) << answer;
+        EXPECT_NE(answer.find("application/problem+json"), std::string::npos) << answer;
+    }
+}
+
+// What the script says before it starts anything.
+TEST(ServeScriptOptions, BeyondLoopbackItWantsTokensOrAFlag) {
+    const test::TempFolder folder;
+    const auto said = [&](std::vector<std::string> args) {
+        args.insert(args.end(), {"--no-such-option"});  // the service ends at once
+        test::Process script(
+            folder.path() / "script", args,
+            {PROBEBAKE_SOURCE_DIR "/scripts/serve", {"PROBEBAKE=" PROBEBAKE_BINARY}});
+        EXPECT_NE(script.wait().value_or(0), 0);
+        return script.err();
+    };
+    const std::string refused = "wants --tokens";
+    const std::string warned = "warning: no --tokens";
+    test::write_text(folder.path() / "with.toml", "tokens = \"tokens.json\"\n");
+    test::write_text(folder.path() / "without.toml", "# tokens = \"tokens.json\"\n");
+    const std::string with = (folder.path() / "with.toml").string();
+    const std::string without = (folder.path() / "without.toml").string();
+    for (const char* address : {"0.0.0.0:0", "[::]:0", "8080", "127.0.0.1.example.org:0"}) {
+        EXPECT_NE(said({"--listen", address}).find(refused), std::string::npos) << address;
+    }
+    const std::string anywhere = "0.0.0.0:0";
+    EXPECT_NE(said({"--listen", anywhere, "--config", without}).find(refused), std::string::npos);
+    const std::string open = said({"--listen", anywhere, "--expose-without-tokens"});
+    EXPECT_NE(open.find(warned), std::string::npos) << open;
+    EXPECT_EQ(open.find(refused), std::string::npos) << open;
+    for (const std::vector<std::string>& args :
+         std::vector<std::vector<std::string>>{{"--listen", anywhere, "--tokens", "tokens.json"},
+                                               {"--listen", anywhere, "--config", with},
+                                               {"--listen", "127.0.0.1:0"},
+                                               {"--listen", "[::1]:0"},
+                                               {}}) {
+        EXPECT_EQ(said(args).find("--tokens:"), std::string::npos) << said(args);
+    }
 }
 
 }  // namespace

@@ -231,6 +231,27 @@ TEST_F(ServeTest, ASecondSignalEndsTheGrace) {
     EXPECT_EQ(service_->wait(test::patient(3s)), 0);
 }
 
+TEST_F(ServeTest, ASlowUploadDoesNotHoldUpTheEnd) {
+    for (const int signals : {1, 2}) {
+        serve({"--drain-seconds", signals == 1 ? "0.3" : "20", "--max-upload-mib", "64"});
+        test::RawClient slow(std::stoi(url_.substr(url_.rfind(':') + 1)));
+        ASSERT_TRUE(
+            slow.send("PUT /v1/scenes/castle HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+                      "application/x-tar\r\n"
+                      "Repr-Digest: sha-256=:AAAA:\r\nContent-Length: 60000000\r\n\r\nsome of it"));
+        std::this_thread::sleep_for(200ms);
+        const auto start = std::chrono::steady_clock::now();
+        service_->signal(SIGTERM);
+        if (signals == 2) {
+            EXPECT_EQ(service_->wait(1500ms), std::nullopt) << "an upload has its grace";
+            service_->signal(SIGTERM);
+        }
+        EXPECT_EQ(service_->wait(test::patient(10s)), 0);
+        EXPECT_LT(std::chrono::steady_clock::now() - start, test::patient(5s));
+        EXPECT_NE(service_->err().find("\"event\":\"stopped\""), std::string::npos);
+    }
+}
+
 TEST_F(ServeTest, ASceneThatLoadsDoesNotHoldUpTheEnd) {
     write_text(path("scenes/huge.json"),
                R"({"type": "generator", "generator": "forest", "size": 2048})");

@@ -109,6 +109,7 @@ void JobManager::load_jobs() {
 }
 
 std::optional<JobManager::Submitted> JobManager::replay(const JobRequest& request) {
+    if (!request.idempotency_key) return std::nullopt;
     const auto known = store_.find_key({.tenant = request.tenant,
                                         .request_sha256 = request.sha256,
                                         .idempotency_key = request.idempotency_key});

@@ -107,9 +107,11 @@ Download download_bake(ServiceClient& service, const std::string& id, const fs::
         }
     }
     write_file_atomically(out / "probes.jsonl", lines);
-    if (service.get(bake).at("state") == "SUCCEEDED") {
+    try {
         done.report = service.get(bake + "/report");
         write_file_atomically(out / "report.json", dump_json(*done.report, 2) + "\n");
+    } catch (const ServiceError& error) {
+        if (error.status() != 409) throw;  // it has none, or not yet
     }
     return done;
 }

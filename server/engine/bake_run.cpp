@@ -35,8 +35,11 @@ size_t index_of_state(const JobSpec& job, std::string_view name) {
 
 class BakeRun {
   public:
-    explicit BakeRun(const BakeParams& params)
-        : params_(params), job_(params.job), failed_(params.history.given_up) {}
+    explicit BakeRun(const BakeParams& params) : params_(params), job_(params.job) {
+        for (const auto& [unit, why] : params.history.given_up) {
+            if (is_wanted(unit)) failed_.emplace(unit, why);
+        }
+    }
 
     Json run() {
         enter(BakePhase::kLoading);

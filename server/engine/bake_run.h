@@ -57,7 +57,9 @@ struct BakeHistory {
     std::map<size_t, ProbeResult> finished;  // not baked again
     std::set<size_t> last;                   // baked last: they may bring the process down
     std::map<size_t, std::string> given_up;  // not baked, with the reason
-    std::optional<std::set<size_t>> only;    // these alone, to mend their files; no report
+    /// These alone, to mend their files; no report. What the job never had is given up, so that
+    /// they learn from the same units again.
+    std::optional<std::set<size_t>> only;
 };
 
 /// Some units could not be baked; all others are finished.

@@ -88,12 +88,14 @@ class Api {
     void cancel(const Call& call);
     void remove(const Call& call);
     void expire(const Call& call);
-    /// The job when it has changed or its time is over, as `Prefer: wait` asks for.
-    JobSnapshot wait_for(JobSnapshot job, const Call& call, std::chrono::seconds time,
-                         bool until_ended);
+    /// Waits until the job has changed or the time is over, as `Prefer: wait` asks for. False where
+    /// the job is gone: `job` is then what was seen of it last.
+    bool wait_for(JobSnapshot& job, std::chrono::seconds time, bool until_ended);
     std::string etag_of(const JobSnapshot& job) const;
-    /// The request of a body: read, checked, its scene found. Throws ProblemError and SpecError.
+    /// The request of a body, read and checked, without its scene. Throws ProblemError, SpecError.
     JobRequest read_request(const Call& call) const;
+    /// Throws ProblemError (404), and SpecError where the scene's file is broken.
+    SceneFile find_scene(const JobSpec& spec) const;
     /// Throws ProblemError (404).
     JobSnapshot find_job(const Call& call) const;
 

@@ -70,14 +70,17 @@ std::string names_text(const SceneLibrary& scenes) {
 
 JobRequest Api::read_request(const Call& call) const {
     const std::string& body = call.request.body;
-    JobRequest out{.spec = read_job(parse_json(body, kRequestLimits)),
-                   .scene = {},
-                   .tenant = call.who.tenant,
-                   .idempotency_key = key_of(call.request),
-                   .sha256 = sha256_hex(std::as_bytes(std::span(body)))};
+    return {.spec = read_job(parse_json(body, kRequestLimits)),
+            .scene = {},
+            .tenant = call.who.tenant,
+            .idempotency_key = key_of(call.request),
+            .sha256 = sha256_hex(std::as_bytes(std::span(body)))};
+}
+
+SceneFile Api::find_scene(const JobSpec& spec) const {
     std::optional<SceneFile> scene;
     try {
-        scene = parts_.scenes.find(out.spec.scene);
+        scene = parts_.scenes.find(spec.scene);
     } catch (const std::exception& error) {  // the file is the service's, not the client's
         throw SpecError(SpecError::Kind::kUnacceptable, "/scene",
                         std::string("the service's scene file is broken: ") + error.what());
@@ -86,11 +89,10 @@ JobRequest Api::read_request(const Call& call) const {
         throw ProblemError(
             {.status = 404,
              .code = "unknown-scene",
-             .detail = "there is no scene \"" + out.spec.scene + "\"",
+             .detail = "there is no scene \"" + spec.scene + "\"",
              .errors = {{"/scene", "expected one of: " + names_text(parts_.scenes)}}});
     }
-    out.scene = std::move(*scene);
-    return out;
+    return std::move(*scene);
 }
 
 JobSnapshot Api::find_job(const Call& call) const {
@@ -112,11 +114,10 @@ JobSnapshot Api::find_job(const Call& call) const {
 }
 
 std::string Api::etag_of(const JobSnapshot& job) const {
-    return "\"" + boot_id_ + "." + std::to_string(job.version) + "\"";
+    return "W/\"" + boot_id_ + "." + std::to_string(job.version) + "\"";
 }
 
-JobSnapshot Api::wait_for(JobSnapshot job, const Call& call, std::chrono::seconds time,
-                          bool until_ended) {
+bool Api::wait_for(JobSnapshot& job, std::chrono::seconds time, bool until_ended) {
     const Place place(waiting_, parts_.max_waiting, "too-many-waiting");
     const auto end = std::chrono::steady_clock::now() + time;
     const uint64_t version = job.version;
@@ -126,33 +127,41 @@ JobSnapshot Api::wait_for(JobSnapshot job, const Call& call, std::chrono::second
             std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
         if (left.count() <= 0) break;
         const auto now = parts_.jobs.wait_for_change(job.id, job.version, left);
-        if (!now) return find_job(call);  // deleted: 404
+        if (!now) return false;
         job = *now;
     }
-    return job;
+    return true;
 }
 
 void Api::submit(const Call& call) {
     QueryReader(call.request).refuse_unknown();
-    JobManager::Submitted submitted = parts_.jobs.submit(read_request(call));
-    JobSnapshot& job = submitted.job;
+    JobRequest request = read_request(call);
+    // A job that was accepted is told again, also where its scene is gone by now.
+    std::optional<JobManager::Submitted> submitted = parts_.jobs.replay(request);
+    if (!submitted) {
+        request.scene = find_scene(request.spec);
+        submitted = parts_.jobs.submit(request);
+    }
+    JobSnapshot& job = submitted->job;
     call.response.status = 202;
-    if (const auto time = read_wait(call.request); time && !submitted.replayed) {
+    if (const auto time = read_wait(call.request); time && !submitted->replayed) {
         try {
-            job = wait_for(job, call, *time, true);
+            // Where retention has removed it meanwhile, this tells what was seen of it last.
+            wait_for(job, *time, true);
             if (is_terminal(job.state)) call.response.status = 201;
         } catch (const ServiceBusy&) {  // the job is taken: the client may ask for it later
         }
     }
     call.response.set_header("Location", "/v1/bakes/" + job.id);
-    if (submitted.replayed) call.response.set_header("Idempotency-Replayed", "true");
+    if (submitted->replayed) call.response.set_header("Idempotency-Replayed", "true");
     if (!is_terminal(job.state)) call.response.set_header("Retry-After", kRetrySeconds);
     answer_json(write_job_status(job), call.response);
 }
 
 void Api::check(const Call& call) {
     QueryReader(call.request).refuse_unknown();
-    const JobRequest request = read_request(call);
+    JobRequest request = read_request(call);
+    request.scene = find_scene(request.spec);
     const Place place(checks_, parts_.max_checks, "too-many-checks");
     const Deadline deadline(parts_.check_time);
     std::shared_ptr<const Scene> scene;
@@ -226,7 +235,7 @@ void Api::status(const Call& call) {
     JobSnapshot job = find_job(call);
     const bool known = none_match_fails(call.request, etag_of(job));
     if (const auto time = read_wait(call.request); time && known && !is_terminal(job.state)) {
-        job = wait_for(job, call, *time, false);
+        if (!wait_for(job, *time, false)) job = find_job(call);  // 404, 410
     }
     const std::string etag = etag_of(job);
     call.response.set_header("ETag", etag);

@@ -56,18 +56,19 @@ void Api::report(const Call& call) {
         QueryReader::refuse("format", "expected json or html");
     }
     const JobSnapshot job = find_job(call);
-    if (job.state != JobState::kSucceeded) {
-        const std::string state(name_of(job.state));
-        throw ProblemError(
-            {.status = 409,
-             .code = is_terminal(job.state) ? "no-report" : "not-finished",
-             .detail = "the bake is " + state +
-                       (is_terminal(job.state) ? ": it has no report"
-                                               : ": its report is made when it has SUCCEEDED")});
+    const std::string is = "the bake is " + std::string(name_of(job.state));
+    if (!is_terminal(job.state)) {
+        throw ProblemError({.status = 409,
+                            .code = "not-finished",
+                            .detail = is + ": its report is made when all is done"});
     }
     std::optional<OpenStored> file = parts_.store.open_job_file(job.sequence, kReportFile);
-    if (!file) find_job(call);  // forgotten in between
-    if (!file || !file->content) refuse_damaged();
+    if (!file) {
+        find_job(call);  // forgotten in between
+        throw ProblemError(
+            {.status = 409, .code = "no-report", .detail = is + ": it has no report"});
+    }
+    if (!file->content) refuse_damaged();
     if (format == "html") {
         call.response.set_header("Content-Security-Policy",
                                  "default-src 'none'; style-src 'unsafe-inline'");
@@ -84,20 +85,23 @@ void Api::rows(const Call& call) {
     const std::optional<std::string> text = query.text("page_token");
     query.refuse_unknown();
     const JobSnapshot job = find_job(call);
+    const bool ended = is_terminal(job.state);
+    std::optional<OpenStored> verdicts;
+    if (ended) verdicts = parts_.store.open_unchecked(job.sequence, kRowFile);
     const std::optional<RowToken> given =
-        text ? read_row_token(*text) : RowToken{.final_rows = job.state == JobState::kSucceeded};
+        text ? read_row_token(*text) : RowToken{.final_rows = verdicts.has_value()};
     if (!given) refuse_token();
     const RowToken token = *given;
 
     std::string body;
     std::string next;
     if (token.final_rows) {
-        const auto file = parts_.store.open_unchecked(job.sequence, kRowFile);
-        if (!file) find_job(call);  // forgotten in between
-        if (!file) refuse_damaged();
+        if (!verdicts) find_job(call);  // forgotten in between
+        if (!verdicts) refuse_token();
+        if (!verdicts->content) refuse_damaged();
         std::optional<RowPage> page;
         try {
-            page = read_rows(*file, token.at, count);
+            page = read_rows(*verdicts->content, token.at, count);
         } catch (const IoError&) {
             refuse_damaged();
         }
@@ -112,11 +116,14 @@ void Api::rows(const Call& call) {
             body += (body.empty() ? "" : ",\n") + dump_json(write_unit(unit));
         }
         if (more) next = write_row_token({false, token.at + units.size()});
+        if (ended) find_job(call);  // forgotten in between
     }
+    // Of a job that ended without verdicts nothing more will come.
+    const bool is_final = token.final_rows || (ended && !verdicts);
     // The rows are JSON texts already: a page of them is not parsed to be written again.
     call.response.set_content(
-        std::string("{\"final\":") + (token.final_rows ? "true" : "false") + ",\"rows\":[" + body +
-            "]" + (next.empty() ? "" : ",\"next_page_token\":\"" + next + "\"") + "}\n",
+        std::string("{\"final\":") + (is_final ? "true" : "false") + ",\"rows\":[" + body + "]" +
+            (next.empty() ? "" : ",\"next_page_token\":\"" + next + "\"") + "}\n",
         "application/json");
 }
 

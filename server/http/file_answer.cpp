@@ -75,10 +75,11 @@ std::optional<ByteRange> read_range(std::string_view text, uint64_t size_bytes) 
 }
 
 bool none_match_fails(const httplib::Request& request, const std::string& etag) {
+    const std::string opaque = etag.substr(etag.find('"'));  // without the W/ of a weak one
     for (size_t i = 0; i < request.get_header_value_count("If-None-Match"); ++i) {
         const std::string tags = request.get_header_value("If-None-Match", i);
-        // A strong tag of ours holds no comma and no quotation mark inside.
-        if (tags == "*" || tags.find(etag) != std::string::npos) return true;
+        // A tag of ours holds no comma and no quotation mark inside.
+        if (tags == "*" || tags.find(opaque) != std::string::npos) return true;
     }
     return false;
 }

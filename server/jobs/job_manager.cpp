@@ -103,10 +103,36 @@ void JobManager::load_jobs() {
         by_id_.emplace(seen.id, job);
         by_age_.emplace(seen.sequence, job);
         if (!is_terminal(seen.state)) queue_.push_back(job);
+        const bool ended_at_start = store_.recovered().ended.contains(seen.sequence);
+        if (ended_at_start && options_.on_change) options_.on_change(seen, {});
     }
 }
 
+std::optional<JobManager::Submitted> JobManager::replay(const JobRequest& request) {
+    if (!request.idempotency_key) return std::nullopt;
+    const auto known = store_.find_key({.tenant = request.tenant,
+                                        .request_sha256 = request.sha256,
+                                        .idempotency_key = request.idempotency_key});
+    if (!known) return std::nullopt;
+    return replay(*known);
+}
+
+JobManager::Submitted JobManager::replay(const tables::Inserted& known) {
+    if (known.conflict) throw KeyReused();
+    const std::string& id = *known.replay_of;
+    {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return !submitting_.contains(id); });
+    }
+    std::optional<JobSnapshot> job = find(id);
+    if (!job && store_.tenant_of_expired(id)) throw JobExpired();
+    if (!job) throw ServiceBusy("being-removed", "the bake of that key is being removed");
+    return {std::move(*job), true};
+}
+
 JobManager::Submitted JobManager::submit(const JobRequest& request) {
+    // A job that was accepted is told again, however full the queue is by now.
+    if (const auto known = replay(request)) return *known;
     const JobSize size = size_of_job(request.spec);
     NewJob stored{.id = new_job_id(),
                   .tenant = request.tenant,
@@ -117,29 +143,23 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
                   .idempotency_key = request.idempotency_key,
                   .units = unit_count(request.spec),
                   .most_bytes = size.output_bytes,
-                  .created = unix_ms_now()};
-    const auto replay = [&](const tables::Inserted& known) -> Submitted {
-        if (known.conflict) throw KeyReused();
-        std::optional<JobSnapshot> job = find(*known.replay_of);
-        if (!job && store_.tenant_of_expired(*known.replay_of)) throw JobExpired();
-        if (!job) throw ServiceBusy("draining", "the job of that key is being removed");
-        return {std::move(*job), true};
-    };
-    // A job that was accepted is told again, however full the queue is by now.
-    if (const auto known = store_.find_key(stored)) return replay(*known);
+                  .created = options_.wall_clock()};
     check_memory(size,
                  std::clamp<uint64_t>(stored.units, 1, static_cast<uint64_t>(pool_.threads())),
                  options_.memory_bytes > 0 ? options_.memory_bytes : memory_of_machine_bytes());
     {
         const std::lock_guard lock(mutex_);
         if (draining_) throw ServiceBusy("draining", "the service is shutting down");
-        if (queue_.size() + submitting_ >= options_.max_queued) {
+        if (queue_.size() + submitting_.size() >= options_.max_queued) {
             throw ServiceBusy("queue-full", std::to_string(options_.max_queued) +
                                                 " jobs wait already, the most that may");
         }
         const auto own = [&](const JobPtr& job) { return job->seen.tenant == request.tenant; };
-        const auto count = std::count_if(queue_.begin(), queue_.end(), own) +
-                           std::count_if(running_.begin(), running_.end(), own);
+        const auto count =
+            std::count_if(queue_.begin(), queue_.end(), own) +
+            std::count_if(running_.begin(), running_.end(), own) +
+            std::count_if(submitting_.begin(), submitting_.end(),
+                          [&](const auto& entry) { return entry.second == request.tenant; });
         if (static_cast<size_t>(count) >= options_.max_per_tenant) {
             throw ServiceBusy("quota", "expected at most " +
                                            std::to_string(options_.max_per_tenant) +
@@ -147,22 +167,25 @@ JobManager::Submitted JobManager::submit(const JobRequest& request) {
         }
         if (!store_.has_room()) throw ServiceBusy("disk-full", "the disk is full");
         check_disk(size, promised(), store_.data());
-        ++submitting_;
+        submitting_.emplace(stored.id, stored.tenant);
         submitting_bytes_ += size.output_bytes;
     }
+    const auto leave = [&] {  // with mutex_ held
+        submitting_.erase(stored.id);
+        submitting_bytes_ -= size.output_bytes;
+        changed_.notify_all();
+    };
     tables::Inserted inserted;
     try {
         inserted = store_.insert(stored);
     } catch (...) {
         const std::lock_guard lock(mutex_);
-        --submitting_;
-        submitting_bytes_ -= size.output_bytes;
+        leave();
         throw;
     }
     {
         const std::lock_guard lock(mutex_);
-        --submitting_;
-        submitting_bytes_ -= size.output_bytes;
+        leave();
         if (!inserted.replay_of) {
             const auto job = std::make_shared<Job>();
             job->seen.id = stored.id;
@@ -223,7 +246,6 @@ std::vector<JobSnapshot> JobManager::list(const JobQuery& query) const {
 std::optional<JobSnapshot> JobManager::cancel(const std::string& id) {
     JobPtr job;
     bool waited = false;
-    JobSnapshot asked;
     {
         const std::lock_guard lock(mutex_);
         const auto at = by_id_.find(id);
@@ -235,38 +257,48 @@ std::optional<JobSnapshot> JobManager::cancel(const std::string& id) {
         const auto place = std::find(queue_.begin(), queue_.end(), job);
         waited = place != queue_.end();
         if (waited) queue_.erase(place);
-        job->cancel.cancel();
-        if (!waited) enter(*job, JobState::kCancelling);
-        asked = snapshot(*job);
     }
-    if (!waited) {
+    if (waited) {
+        end(job, {.state = JobState::kCancelled});
+    } else {
         store_.request_cancel(job->seen.sequence);
-        return asked;
     }
-    end(job, {.state = JobState::kCancelled});
     const std::lock_guard lock(mutex_);
+    if (!waited && !is_terminal(job->seen.state) && job->seen.state != JobState::kCancelling) {
+        job->cancel.cancel();
+        enter(*job, JobState::kCancelling);
+    }
     return snapshot(*job);
 }
 
 bool JobManager::remove(const std::string& id) {
+    return forget(id, [this](int64_t job) { store_.remove(job); });
+}
+
+bool JobManager::forget(const std::string& id, const std::function<void(int64_t)>& on_disk) {
     JobPtr job;
     {
         const std::lock_guard lock(mutex_);
         const auto at = by_id_.find(id);
         if (at == by_id_.end() || !is_terminal(at->second->seen.state)) return false;
         job = at->second;
-        forget(job);
+        by_id_.erase(at);
+        by_age_.erase(job->seen.sequence);
+        to_mend_.erase(job);
+        changed(*job);
     }
-    store_.remove(job->seen.sequence);
-    return true;
-}
-
-void JobManager::forget(const JobPtr& job) {
-    by_id_.erase(job->seen.id);
-    by_age_.erase(job->seen.sequence);
-    to_mend_.erase(job);
+    try {
+        on_disk(job->seen.sequence);
+    } catch (...) {  // it is still there
+        const std::lock_guard lock(mutex_);
+        by_id_.emplace(id, job);
+        by_age_.emplace(job->seen.sequence, job);
+        changed(*job);
+        throw;
+    }
+    const std::lock_guard lock(mutex_);
     house_ = true;
-    changed(*job);
+    return true;
 }
 
 std::optional<JobSnapshot> JobManager::wait_for_change(const std::string& id, uint64_t version,
@@ -306,7 +338,7 @@ std::vector<JobManager::JobPtr> JobManager::expired() const {
         return std::pair(a->seen.ended, a->seen.sequence) >
                std::pair(b->seen.ended, b->seen.sequence);
     });
-    const UnixMs oldest = unix_ms_now() - milliseconds(options_.keep_time);
+    const UnixMs oldest = options_.wall_clock() - milliseconds(options_.keep_time);
     std::vector<JobPtr> gone;
     uint64_t bytes = 0;
     for (size_t i = 0; i < finished.size(); ++i) {
@@ -319,10 +351,10 @@ std::vector<JobManager::JobPtr> JobManager::expired() const {
     return gone;
 }
 
-UnixMs JobManager::clock_offset() {
-    return unix_ms_now() - std::chrono::duration_cast<std::chrono::milliseconds>(
-                               SteadyClock::now().time_since_epoch())
-                               .count();
+UnixMs JobManager::clock_offset() const {
+    return options_.wall_clock() - std::chrono::duration_cast<std::chrono::milliseconds>(
+                                       SteadyClock::now().time_since_epoch())
+                                       .count();
 }
 
 bool JobManager::clock_is_steady() const {
@@ -330,19 +362,17 @@ bool JobManager::clock_is_steady() const {
 }
 
 Expired JobManager::expire(bool remove_them) {
-    Expired expired;
-    std::vector<JobPtr> gone;
+    std::vector<JobPtr> old;
     {
         const std::lock_guard lock(mutex_);
-        gone = this->expired();
-        for (const JobPtr& job : gone) {
-            expired.jobs.push_back(job->seen.id);
-            expired.bytes += job->bytes;
-            if (remove_them) forget(job);
-        }
+        old = this->expired();
     }
-    if (remove_them) {
-        for (const JobPtr& job : gone) store_.expire(job->seen.sequence);
+    Expired expired;
+    for (const JobPtr& job : old) {
+        const std::string& id = job->seen.id;
+        if (remove_them && !forget(id, [this](int64_t at) { store_.expire(at); })) continue;
+        expired.jobs.push_back(id);
+        expired.bytes += job->bytes;
     }
     return expired;
 }
@@ -386,9 +416,9 @@ void JobManager::keep_house(const std::stop_token& stop) {
         lock.unlock();
         try {
             expire(true);
-            if (SteadyClock::now() >= keys) {
-                store_.forget_keys(unix_ms_now() - milliseconds(options_.key_time));
-                keys = SteadyClock::now() + 1min;
+            if (SteadyClock::now() >= keys && clock_is_steady()) {
+                store_.forget_keys(options_.wall_clock() - milliseconds(options_.key_time));
+                keys = SteadyClock::now() + std::min<std::chrono::seconds>(1min, options_.key_time);
             }
             while (!stop.stop_requested() && store_.tidy()) {
             }

@@ -11,7 +11,7 @@
 // process ended before prepares alone, so that no other is blamed.
 //
 // The newest `keep_jobs` finished jobs are kept, of these as many as fit into `keep_bytes` of files
-// (the newest always), and none longer than `keep_time`.
+// (the newest whatever its size); none, not even the newest, longer than `keep_time`.
 //
 // Threads: everything may be called from any thread. mutex_ is never held while the store is waited
 // for.
@@ -42,7 +42,7 @@ class ServiceBusy : public std::runtime_error {
   public:
     ServiceBusy(std::string code, const std::string& detail)
         : std::runtime_error(detail), code_(std::move(code)) {}
-    /// "queue-full", "draining", "disk-full" or "quota"
+    /// "queue-full", "draining", "being-removed", "disk-full" or "quota"
     const std::string& code() const { return code_; }
 
   private:
@@ -68,7 +68,7 @@ struct SceneSource {
         };
 };
 
-/// Files of a job that has SUCCEEDED.
+/// Files of a job that has SUCCEEDED, or FAILED by its budget.
 inline constexpr const char* kReportFile = "report.json";
 inline constexpr const char* kRowFile = "probes.jsonl";
 
@@ -99,6 +99,8 @@ class JobManager {
         uint64_t memory_bytes = 0;
         /// How long an idempotency key is known.
         std::chrono::seconds key_time = std::chrono::hours(24);
+        /// May jump, also backwards.
+        std::function<UnixMs()> wall_clock = unix_ms_now;
         /// Told of every change of state, one call at a time; `cause` is the text of an exception
         /// that the client is not shown. Must not call the manager.
         std::function<void(const JobSnapshot&, const std::string& cause)> on_change;
@@ -122,6 +124,9 @@ class JobManager {
     /// Durable when it returns. Throws ServiceBusy, KeyReused, JobExpired, DiskFull, and SpecError
     /// where the scene cannot be read or the cubemaps do not fit into memory.
     Submitted submit(const JobRequest& request);
+    /// The job that the request's key stands for; no value where it is new. Needs no scene. Throws
+    /// ServiceBusy, KeyReused, JobExpired.
+    std::optional<Submitted> replay(const JobRequest& request);
     std::optional<JobSnapshot> find(const std::string& id) const;
     /// Newest first.
     std::vector<JobSnapshot> list(const JobQuery& query) const;
@@ -176,8 +181,13 @@ class JobManager {
     };
     using JobPtr = std::shared_ptr<Job>;
 
-    static UnixMs clock_offset();
+    UnixMs clock_offset() const;
     void load_jobs();
+    /// The job that a key was used for.
+    Submitted replay(const tables::Inserted& known);
+    /// Forgets a terminal job, here and with `on_disk`; where that throws it stays. False where it
+    /// is not terminal or not there.
+    bool forget(const std::string& id, const std::function<void(int64_t)>& on_disk);
     void run_jobs(const std::stop_token& stop);
     void keep_house(const std::stop_token& stop);
     // job_run.cpp: what a thread does with one job.
@@ -187,6 +197,7 @@ class JobManager {
     /// The request and its scene file, unchanged since the job was accepted. Throws SceneChanged.
     JobRequest request_of(const Job& job);
     BakeHistory history_of(const Job& job, const JobSpec& spec);
+    BakeHistory history_to_mend(const Job& job, const JobSpec& spec, const std::set<size_t>& units);
     void run_mend(const JobPtr& job, const std::set<size_t>& units);
     void end(const JobPtr& job, const Outcome& outcome);
     // With mutex_ held:
@@ -197,7 +208,6 @@ class JobManager {
     void enter(Job& job, JobState state, const std::string& cause = {});
     void changed(Job& job);
     std::vector<JobPtr> expired() const;
-    void forget(const JobPtr& job);
 
     RenderPool& pool_;
     JobStore& store_;
@@ -214,7 +224,8 @@ class JobManager {
     std::set<JobPtr> running_;
     std::map<JobPtr, std::set<size_t>> to_mend_;
     std::set<std::pair<int64_t, size_t>> not_mendable_;
-    size_t submitting_ = 0;
+    /// Jobs that are being stored: their tenants by their ids.
+    std::map<std::string, std::string> submitting_;
     uint64_t submitting_bytes_ = 0;
     /// Wall clock less steady clock at start: a jump of the wall clock makes nothing old.
     const UnixMs clock_offset_ = clock_offset();

@@ -118,7 +118,7 @@ void JobManager::run_jobs(const std::stop_token& stop) {
 }
 
 void JobManager::run(const JobPtr& job) {
-    const UnixMs now = unix_ms_now();
+    const UnixMs now = options_.wall_clock();
     Outcome outcome;
     try {
         store_.start(job->seen.sequence, now);
@@ -152,7 +152,7 @@ void JobManager::run(const JobPtr& job) {
 }
 
 void JobManager::end(const JobPtr& job, const Outcome& outcome) {
-    JobEnd stored{.state = outcome.state, .ended = unix_ms_now()};
+    JobEnd stored{.state = outcome.state, .ended = options_.wall_clock()};
     if (outcome.failure) stored.failure = dump_json(write_failure(*outcome.failure));
     if (!outcome.warnings.empty()) stored.warnings = dump_json(Json(outcome.warnings));
     uint64_t bytes = 0;
@@ -247,6 +247,19 @@ BakeHistory JobManager::history_of(const Job& job, const JobSpec& spec) {
     return history;
 }
 
+BakeHistory JobManager::history_to_mend(const Job& job, const JobSpec& spec,
+                                        const std::set<size_t>& units) {
+    std::set<size_t> had;
+    for (const auto& [unit, record] : store_.units_of(job.seen.sequence).finished) {
+        had.insert(static_cast<size_t>(unit));
+    }
+    BakeHistory history{.only = units};
+    for (size_t unit = 0; unit < unit_count(spec); ++unit) {
+        if (!had.contains(unit)) history.given_up.emplace(unit, "the job never had this unit");
+    }
+    return history;
+}
+
 JobManager::Outcome JobManager::bake_or_throw(Job& job) {
     const JobRequest request = request_of(job);
     const JobSpec& spec = request.spec;
@@ -320,13 +333,12 @@ JobManager::Outcome JobManager::bake_or_throw(Job& job) {
 }
 
 void JobManager::run_mend(const JobPtr& job, const std::set<size_t>& units) {
-    bool mended = false;
-    bool stopped = false;
     std::string cause;
+    bool possible = true;  // if not now, later
     try {
         const JobRequest request = request_of(*job);
         const JobSpec& spec = request.spec;
-        if (spec.budget.seconds) throw IoError("files", "depend on the time that was left");
+        if (spec.budget.seconds) throw NotTheSame("files", "depend on the time that was left");
         const auto mend = [&](size_t unit, std::span<const ProductFile> files) {
             store_.publish(job->seen.sequence, static_cast<int64_t>(unit), 0, {}, new_files(files));
         };
@@ -340,20 +352,30 @@ void JobManager::run_mend(const JobPtr& job, const std::set<size_t>& units) {
                          const ProbeResult& result) { mend(unit_of(spec, result), result.files); },
              .grid_sink =
                  [&](const GridResult& result) { mend(unit_of(spec, result), result.files); },
-             .history = {.only = units},
+             .history = history_to_mend(*job, spec, units),
              .skies =
                  [&](const std::filesystem::path& path) {
                      return scenes_.sky(path, job->cancel_mending);
                  }});
-        mended = true;
     } catch (const Cancelled&) {
-        stopped = true;
+        return;  // the service ends
+    } catch (const SceneChanged& error) {
+        cause = error.what();
+        possible = false;
+    } catch (const NotTheSame& error) {
+        cause = error.what();
+        possible = false;
     } catch (const std::exception& error) {
         cause = error.what();
     }
     const std::lock_guard lock(mutex_);
-    if (!mended && !stopped) {
-        for (const size_t unit : units) not_mendable_.emplace(job->seen.sequence, unit);
+    // Who asked again meanwhile asked for what has just been done.
+    if (const auto again = to_mend_.find(job); again != to_mend_.end()) {
+        for (const size_t unit : units) again->second.erase(unit);
+        if (again->second.empty()) to_mend_.erase(again);
+    }
+    for (const size_t unit : units) {
+        if (!possible) not_mendable_.emplace(job->seen.sequence, unit);
     }
     if (options_.on_mend) options_.on_mend(job->seen.id, units.size(), cause);
 }

@@ -166,7 +166,7 @@ void JobStore::publish(int64_t job, int64_t unit, int64_t attempt, std::string r
     if (attempt == 0) {
         call(Kind::kRead,
              [&](Database& db) { published = tables::has_files(db, job, unit, result.files); });
-        if (!published) throw IoError("files", "a unit that was baked again is not the same");
+        if (!published) throw NotTheSame("files", "a unit that was baked again is not the same");
         return;
     }
     call(Kind::kGrow, [&](Database& db) { published = tables::publish_unit(db, result); });
@@ -262,10 +262,11 @@ std::optional<OpenStored> JobStore::open_job_file(int64_t job, const std::string
     return OpenStored{tables::kJobFiles, *found, open_checked(*found)};
 }
 
-std::shared_ptr<const OpenFile> JobStore::open_unchecked(int64_t job, const std::string& name) {
+std::optional<OpenStored> JobStore::open_unchecked(int64_t job, const std::string& name) {
     std::optional<StoredFile> found;
     call(Kind::kRead, [&](Database& db) { found = tables::job_file(db, job, name); });
-    return found ? files_.open(found->sha256) : nullptr;
+    if (!found) return std::nullopt;
+    return OpenStored{tables::kJobFiles, *found, files_.open(found->sha256)};
 }
 
 bool JobStore::has_room() const { return data_.free_bytes() >= options_.min_free_bytes; }

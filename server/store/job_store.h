@@ -31,6 +31,12 @@ struct NewFile {
     std::string sha256;
 };
 
+/// Thrown for a unit that was baked again and gave other files.
+class NotTheSame : public IoError {
+  public:
+    using IoError::IoError;
+};
+
 /// A stored file, open, its content checked against its digest.
 struct OpenStored {
     int64_t unit = tables::kJobFiles;
@@ -70,7 +76,7 @@ class JobStore {
     StoredUnits units_of(int64_t job);
     int64_t begin_unit(int64_t job, const UnitName& unit);
     /// Stores the files, then names them. Attempt 0 is a unit that was published before: its files
-    /// are stored again and must be the same. Throws DiskFull and IoError.
+    /// are stored again and must be the same. Throws DiskFull, NotTheSame and IoError.
     void publish(int64_t job, int64_t unit, int64_t attempt, std::string record,
                  const std::vector<NewFile>& files);
     void request_cancel(int64_t job);
@@ -98,7 +104,7 @@ class JobStore {
                                              const std::string& state, const std::string& name);
     std::optional<OpenStored> open_job_file(int64_t job, const std::string& name);
     /// Without a look at its content, for files that carry checks of their own.
-    std::shared_ptr<const OpenFile> open_unchecked(int64_t job, const std::string& name);
+    std::optional<OpenStored> open_unchecked(int64_t job, const std::string& name);
 
     const DataFolder& data() const { return data_; }
     /// Whether new jobs are taken, as far as the disk is concerned.

@@ -193,10 +193,13 @@ Recovered recover(Database& db, int64_t poison_after, UnixMs now) {
     recovered.units = recovered.poison;
     recovered.units += db.run("UPDATE units SET crashes = crashes + 1, state = ? WHERE state = ?",
                               kUnitPending, kUnitRunning);
-    db.run("UPDATE jobs SET state = ?, ended = ? WHERE state = ?", kCancelled, now, kCancelling);
-    db.run(
-        "UPDATE jobs SET state = ?, ended = ?, failure = ? WHERE state = ? AND crashes >= ?",
-        kFailed, now,
+    const auto ended = [&](const Row& row) { recovered.ended.insert(row.integer(0)); };
+    db.query("UPDATE jobs SET state = ?, ended = ? WHERE state = ? RETURNING sequence", ended,
+             kCancelled, now, kCancelling);
+    db.query(
+        "UPDATE jobs SET state = ?, ended = ?, failure = ? WHERE state = ? AND crashes >= ?"
+        " RETURNING sequence",
+        ended, kFailed, now,
         R"({"code": "poison", "detail": "the service ended several times while it prepared this job"})",
         kRunning, poison_after);
     db.run("UPDATE jobs SET state = ? WHERE state = ?", kQueued, kRunning);
@@ -289,6 +292,9 @@ bool end_job(Database& db, int64_t job, const JobEnd& end) {
     insert_files(db, job, kJobFiles, end.files);
     // What is finished is in the files; the records were for going on.
     db.run("UPDATE units SET record = NULL WHERE job = ? AND record IS NOT NULL", job);
+    // What was under way when it was cancelled brings no later process down.
+    db.run("UPDATE units SET state = ? WHERE job = ? AND state = ?", kUnitPending, job,
+           kUnitRunning);
     return true;
 }
 

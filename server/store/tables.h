@@ -114,8 +114,9 @@ void open(Database& db);
 /// What a crash or a shutdown left: jobs that ran wait again, jobs that were being cancelled are
 /// cancelled; units and jobs that were under way count a crash, unless it was a shutdown.
 struct Recovered {
-    int64_t units = 0;   // that were under way
-    int64_t poison = 0;  // of these, those that are given up
+    int64_t units = 0;        // that were under way
+    int64_t poison = 0;       // of these, those that are given up
+    std::set<int64_t> ended;  // jobs that are cancelled or failed by this
 };
 Recovered recover(Database& db, int64_t poison_after, UnixMs now);
 std::vector<StoredJob> jobs(Database& db);
@@ -129,7 +130,7 @@ Inserted insert_job(Database& db, const NewJob& job);
 std::optional<Inserted> find_key(Database& db, const NewJob& job);
 void forget_keys(Database& db, UnixMs created_before);
 
-/// False where the job is not queued any more. `seconds` of earlier attempts are kept.
+/// False where the job is not queued any more. `started` of the first attempt is kept.
 bool start_job(Database& db, int64_t job, UnixMs now);
 std::string request_of(Database& db, int64_t job);
 /// A queued or running job: the next start cancels it, whatever becomes of this process.

@@ -183,6 +183,26 @@ TEST_F(BakeRunTest, CancellingStopsBeforeTheNextUnit) {
     EXPECT_LE(published, 4);
 }
 
+TEST_F(BakeRunTest, AUnitIsMendedFromWhatTheJobHad) {
+    // So many that the last ones learn from the first; one of these was given up.
+    const JobSpec job = test::small_job(32, {{"psnr_db", 28.0}});
+    RenderPool pool(2);
+    std::map<size_t, std::string> sha256;
+    BakeParams params = this->params(job, pool);
+    params.history.given_up = {{1, "brings the process down"}};
+    params.sink = [&](const ProbeSpec&, const ProbeResult& result) {
+        const auto [at, is_new] = sha256.emplace(result.probe, result.files[0].sha256);
+        EXPECT_EQ(at->second, result.files[0].sha256);
+    };
+    EXPECT_THROW(run_bake(params), UnitsFailed);
+    EXPECT_EQ(sha256.size(), 31U);
+    params.history.only = {31};
+    EXPECT_EQ(run_bake(params), nullptr);
+    EXPECT_FALSE(sha256.contains(1));
+    params.history.only = {1};
+    EXPECT_THROW(run_bake(params), UnitsFailed) << "what is given up cannot be mended";
+}
+
 TEST_F(BakeRunTest, AFailingSinkFailsTheBake) {
     const JobSpec job = test::small_job(4);
     RenderPool pool(2);

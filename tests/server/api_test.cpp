@@ -217,13 +217,32 @@ TEST(Api, CancelIsIdempotentAndKeepsFinishedProbes) {
     EXPECT_EQ(again.status, 200);
     EXPECT_EQ(again.json().at("state"), "CANCELLED");
     const Json page = service.get("/v1/bakes/" + id + "/probes").json();
-    EXPECT_EQ(page.at("final"), false);
+    EXPECT_EQ(page.at("final"), true) << "nothing more will come";
     ASSERT_GE(page.at("rows").size(), 2U);
+    EXPECT_FALSE(page["rows"][0].contains("result"));
     const std::string probe = page["rows"][0]["probe"];
     EXPECT_EQ(service.get("/v1/bakes/" + id + "/probes/" + probe + "/albedo/cube.exr").status, 200);
     const Answer report = service.get("/v1/bakes/" + id + "/report");
     EXPECT_EQ(report.status, 409);
     EXPECT_EQ(report.json().at("type"), "urn:probebake:no-report");
+}
+
+TEST(Api, ABakeThatFailedByItsBudgetHasItsReport) {
+    RunningService service;
+    Json request = test::net_request(2, 16);
+    request["quality"] = {{"targets", {{"psnr_db", 90.0}}}};
+    request["budget"] = {{"rays", 2 * 6 * 16 * 16}};
+    request["on_budget_exhausted"] = "fail";
+    const std::string id = service.submit(request);
+    EXPECT_EQ(service.wait_until_ended(id).at("state"), "FAILED");
+    const Answer report = service.get("/v1/bakes/" + id + "/report");
+    ASSERT_EQ(report.status, 200) << report.body;
+    EXPECT_EQ(report.json().at("totals").at("cubemaps"), 2);
+    EXPECT_EQ(service.get("/v1/bakes/" + id + "/report?format=html").status, 200);
+    const Json page = service.get("/v1/bakes/" + id + "/probes").json();
+    EXPECT_EQ(page.at("final"), true);
+    ASSERT_EQ(page.at("rows").size(), 2U);
+    EXPECT_EQ(page["rows"][0].at("result"), "budget_exhausted");
 }
 
 TEST(Api, AJobWhoseSceneLoadsIsCancelledWithinASecond) {

@@ -60,6 +60,10 @@ class JobFixture : public testing::Test {
             history_[job.id].push_back(job.state);
             if (!cause.empty()) causes_[job.id] = cause;
         };
+        options.on_mend = [this](const std::string&, size_t, const std::string& cause) {
+            const std::lock_guard lock(mutex_);
+            mends_.push_back(cause);
+        };
         return options;
     }
     void start(const JobManager::Options& options = {}) {
@@ -79,6 +83,35 @@ class JobFixture : public testing::Test {
         store_.reset();
         store_.emplace(folder_.path() / "data", JobStore::Options{});
         start(options);
+    }
+    /// The same, with a database that was changed in between.
+    void restart_changed(const char* sql, const JobManager::Options& options = {}) {
+        manager_.reset();
+        store_.reset();
+        Database(folder_.path() / "data/probebake.sqlite").execute(sql);
+        store_.emplace(folder_.path() / "data", JobStore::Options{});
+        start(options);
+    }
+    /// A job that has ended without this unit: it brought the process down three times, the only
+    /// way to fail a unit from outside.
+    std::string bake_without(const Json& request, const UnitName& unit) {
+        gated_ = true;
+        std::string id = submit(request);
+        wait_for_waiting(1);
+        const int64_t sequence = manager_->find(id)->sequence;
+        for (int crash = 0; crash < 3; ++crash) {
+            manager_.reset();
+            store_->start(sequence, 1);
+            store_->begin_unit(sequence, unit);
+            store_.reset();
+            store_.emplace(folder_.path() / "data", JobStore::Options{});
+        }
+        EXPECT_EQ(store_->recovered().units, 1);
+        EXPECT_EQ(store_->recovered().poison, 1);
+        gated_ = false;
+        start();
+        wait_until_ended(id);
+        return id;
     }
     std::string submit(const Json& request) {
         return manager_->submit({.spec = read_job(request), .scene = file_}).job.id;
@@ -114,6 +147,11 @@ class JobFixture : public testing::Test {
         const std::lock_guard lock(mutex_);
         return history_[id];
     }
+    /// What was said of every mend that ended: nothing, or why it failed.
+    std::vector<std::string> mends() {
+        const std::lock_guard lock(mutex_);
+        return mends_;
+    }
     std::string cause(const std::string& id) {
         const std::lock_guard lock(mutex_);
         return causes_[id];
@@ -131,6 +169,7 @@ class JobFixture : public testing::Test {
     std::mutex mutex_;
     std::map<std::string, std::vector<JobState>> history_;
     std::map<std::string, std::string> causes_;
+    std::vector<std::string> mends_;
     std::optional<JobManager> manager_;
 };
 

@@ -28,7 +28,7 @@ TEST_F(JobManagerTest, BakesAJobToItsReport) {
               (std::vector<JobState>{JobState::kQueued, JobState::kRunning, JobState::kSucceeded}));
     EXPECT_NE(report(id)->content, nullptr);
     const auto rows = store_->open_unchecked(job.sequence, kRowFile);
-    EXPECT_EQ(read_rows(*rows, 0, 10)->rows.size(), 3U);
+    EXPECT_EQ(read_rows(*rows->content, 0, 10)->rows.size(), 3U);
     EXPECT_EQ(unit_count(id), 3U);
 }
 
@@ -230,6 +230,45 @@ TEST_F(JobManagerTest, ForgetsByBytesButNeverTheNewest) {
     for (int i = 0; i < 1000 && manager_->find(first); ++i) std::this_thread::sleep_for(1ms);
     EXPECT_FALSE(manager_->find(first));
     EXPECT_TRUE(manager_->find(second));
+}
+
+TEST_F(JobManagerTest, WhatTheStoreCannotRemoveStaysUntilItCan) {
+    start();
+    const std::string first = submit(test::net_request(1));
+    wait_until_ended(first);
+    const std::string second = submit(test::net_request(1));
+    wait_until_ended(second);
+    gated_ = true;
+    const std::string waits = submit(test::net_request(1));
+    wait_for_waiting(1);
+    restart_changed(
+        "CREATE TRIGGER full BEFORE DELETE ON jobs"
+        " WHEN EXISTS (SELECT 1 FROM jobs WHERE state < 3) BEGIN SELECT RAISE(ABORT, 'full'); END",
+        {.keep_jobs = 1});
+    std::this_thread::sleep_for(1500ms);  // rounds in which the first is to be removed
+    EXPECT_THROW(manager_->remove(second), IoError);
+    EXPECT_TRUE(manager_->find(second));
+    wait_until(first, [](const JobSnapshot&) { return true; });
+    EXPECT_TRUE(file(second, "p0")->content);
+    manager_->cancel(waits);
+    wait_until_ended(waits);
+    for (int i = 0; i < 12000 && manager_->find(first); ++i) std::this_thread::sleep_for(5ms);
+    EXPECT_FALSE(manager_->find(first)) << "there is another round";
+}
+
+TEST_F(JobManagerTest, ACancelThatIsNotOnTheDiskIsNone) {
+    gated_ = true;
+    start();
+    const std::string id = submit(test::net_request(1));
+    wait_for_waiting(1);
+    restart_changed(
+        "CREATE TRIGGER full BEFORE UPDATE OF state ON jobs WHEN NEW.state = 2"
+        " BEGIN SELECT RAISE(ABORT, 'full'); END");
+    wait_for_waiting(2);
+    EXPECT_THROW(manager_->cancel(id), IoError);
+    EXPECT_EQ(manager_->find(id)->state, JobState::kRunning);
+    gate_.open();
+    EXPECT_EQ(wait_until_ended(id).state, JobState::kSucceeded);
 }
 
 TEST_F(JobManagerTest, CancelledQueuedJobsAreForgottenToo) {

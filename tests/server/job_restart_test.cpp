@@ -1,5 +1,6 @@
 // What jobs keep when the service ends and starts again, and what is shared between tenants.
 #include <algorithm>
+#include <barrier>
 
 #include "bake/job_size.h"
 #include "job_fixture.h"
@@ -227,66 +228,94 @@ TEST_F(JobRestartTest, OfATenantsJobsTheMostImportantIsNextAfterARestartToo) {
     EXPECT_LE(*manager_->find(usual)->ended, *manager_->find(low)->started);
 }
 
-TEST_F(JobRestartTest, ADamagedFileIsBakedAgain) {
-    start();
-    const std::string id = submit(test::grid_request(2, 1, 1));
-    wait_until_ended(id);
-    for (const auto& [of, name] : std::vector<std::pair<std::string, std::string>>{
-             {"g-1-0-0", "cube.exr"}, {"g", "ddgi-distance.exr"}}) {
-        const auto open = [&, of = of, name = name] {
-            return *store_->open_unit_file(manager_->find(id)->sequence, of, "albedo", name);
-        };
-        const std::string digest = open().file.sha256;
-        const std::filesystem::path path =
-            folder_.path() / "data/files" / digest.substr(0, 2) / digest;
-        std::string bytes = test::read_text(path);
-        bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
-        test::write_text(path, bytes);
-        const OpenStored damaged = open();
-        EXPECT_EQ(damaged.content, nullptr);
-        EXPECT_EQ(manager_->mend(id, damaged.unit), JobManager::Mend::kUnderWay);
-        for (int i = 0; i < 60000 && !open().content; ++i) std::this_thread::sleep_for(5ms);
-        EXPECT_TRUE(open().content) << name;
+TEST_F(JobRestartTest, AClockThatJumpsForgetsNoKey) {
+    std::atomic<UnixMs> jump{0};
+    start({.key_time = 1s, .wall_clock = [&] { return unix_ms_now() + jump; }});
+    JobRequest request{.spec = read_job(test::net_request(1)), .scene = file_};
+    request.idempotency_key = "k";
+    const std::string id = manager_->submit(request).job.id;
+    jump = UnixMs{2} * 24 * 3600 * 1000;
+    std::this_thread::sleep_for(2500ms);  // time for the keeper of the house to be wrong
+    EXPECT_EQ(manager_->submit(request).job.id, id);
+    jump = 0;
+    for (int i = 0; i < 6000 && manager_->submit(request).replayed; ++i) {
+        std::this_thread::sleep_for(10ms);
     }
-    EXPECT_EQ(manager_->find(id)->state, JobState::kSucceeded);
-    EXPECT_EQ(history(id).size(), 3U) << "a terminal state does not change";
+    EXPECT_EQ(manager_->list({}).size(), 2U) << "a key is known for its time only";
 }
 
-TEST_F(JobRestartTest, WhatCannotBeMendedIsSaidToBeSo) {
-    start();
-    const std::string id = submit(test::net_request(1));
-    wait_until_ended(id);
-    found_->text += " ";  // no longer the scene of the job
-    manager_->mend(id, 0);
-    for (int i = 0; i < 60000 && manager_->mend(id, 0) == JobManager::Mend::kUnderWay; ++i) {
-        std::this_thread::sleep_for(5ms);
+TEST_F(JobRestartTest, AKeyThatComesTwiceAtOnceIsOneJob) {
+    gated_ = true;
+    start({.max_queued = 1000, .max_per_tenant = 1000});
+    constexpr size_t kJobs = 100;
+    std::atomic<int> refused{0};
+    for (size_t i = 0; i < kJobs; ++i) {
+        std::barrier together(4);
+        std::vector<std::jthread> clients;
+        for (int k = 0; k < 4; ++k) {
+            clients.emplace_back([&] {
+                JobRequest request{.spec = read_job(test::net_request(1)), .scene = file_};
+                request.idempotency_key = "k" + std::to_string(i);
+                together.arrive_and_wait();
+                try {
+                    manager_->submit(request);
+                } catch (const ServiceBusy&) {
+                    ++refused;
+                }
+            });
+        }
     }
-    EXPECT_EQ(manager_->mend(id, 0), JobManager::Mend::kImpossible);
-    EXPECT_EQ(manager_->mend(id, tables::kJobFiles), JobManager::Mend::kImpossible);
+    EXPECT_EQ(refused, 0);
+    EXPECT_EQ(manager_->list({.count = 1000}).size(), kJobs);
+}
+
+TEST_F(JobRestartTest, AQuotaHoldsForJobsThatComeAtOnce) {
+    gated_ = true;
+    start({.max_queued = 100, .max_per_tenant = 3});
+    std::barrier together(16);
+    std::vector<std::jthread> clients;
+    for (int k = 0; k < 16; ++k) {
+        clients.emplace_back([&] {
+            together.arrive_and_wait();
+            try {
+                submit(test::net_request(1));
+            } catch (const ServiceBusy& busy) {
+                EXPECT_EQ(busy.code(), "quota");
+            }
+        });
+    }
+    clients.clear();
+    EXPECT_EQ(manager_->list({}).size(), 3U);
+}
+
+TEST_F(JobRestartTest, JobsThatEndAtAStartAreToldOf) {
+    gated_ = true;
+    start();
+    const std::string poison = submit(test::net_request(1));
+    const std::string cancelled = submit(test::net_request(1));
+    wait_for_waiting(2);
+    const int64_t sequence = manager_->find(poison)->sequence;
+    store_->request_cancel(manager_->find(cancelled)->sequence);
+    for (int crash = 0; crash < 3; ++crash) {
+        manager_.reset();
+        store_->start(sequence, 1);
+        store_.reset();
+        store_.emplace(folder_.path() / "data", JobStore::Options{});
+    }
+    start();
+    EXPECT_EQ(manager_->find(poison)->failure->code, "poison");
+    EXPECT_EQ(history(poison).back(), JobState::kFailed);
+    restart();
+    EXPECT_EQ(std::count(history_[poison].begin(), history_[poison].end(), JobState::kFailed), 1);
 }
 
 TEST_F(JobRestartTest, AUnitThatFailsLeavesTheOthersRunning) {
     start();
-    Json request = test::net_request(3);
+    const Json request = test::net_request(3);
     const std::string id = submit(request);
     wait_until_ended(id);
-    // The only way to fail a unit from outside: it has brought the process down three times.
-    gated_ = true;
-    const std::string poisoned = submit(request);
-    wait_for_waiting(1);
-    const int64_t sequence = manager_->find(poisoned)->sequence;
-    for (int crash = 0; crash < 3; ++crash) {
-        manager_.reset();
-        store_->start(sequence, 1);
-        store_->begin_unit(sequence, {1, "p1", "albedo"});
-        store_.reset();
-        store_.emplace(folder_.path() / "data", JobStore::Options{});
-    }
-    EXPECT_EQ(store_->recovered().units, 1);
-    EXPECT_EQ(store_->recovered().poison, 1);
-    gated_ = false;
-    start();
-    const JobSnapshot job = wait_until_ended(poisoned);
+    const std::string poisoned = bake_without(request, {1, "p1", "albedo"});
+    const JobSnapshot job = *manager_->find(poisoned);
     EXPECT_EQ(job.state, JobState::kFailed);
     EXPECT_EQ(job.failure->code, "units");
     ASSERT_EQ(job.failure->issues.size(), 1U);

@@ -194,6 +194,17 @@ TEST_F(ServeTest, ClientsSayWhatWentWrong) {
     EXPECT_NE(got.out.find("no report"), std::string::npos);
     EXPECT_FALSE(fs::exists(path("part/report.json")));
 
+    // What failed by its budget has its report all the same.
+    Json request = test::net_request(1, 16);
+    request["quality"] = {{"targets", {{"psnr_db", 90.0}}}};
+    request["budget"] = {{"rays", 6 * 16 * 16}};
+    request["on_budget_exhausted"] = "fail";
+    write_text(path("poor.json"), request.dump());
+    const std::string poor = submit("poor.json");
+    EXPECT_EQ(client({"wait", poor}).code, 1);
+    EXPECT_EQ(client({"download", poor, "--out", path("poor")}).code, 0);
+    EXPECT_TRUE(fs::exists(path("poor/report.json")));
+
     service_.reset();
     const Ran gone = client({"list"});
     EXPECT_EQ(gone.code, 1);

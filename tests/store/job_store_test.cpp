@@ -131,6 +131,15 @@ TEST_F(JobStoreTest, AShutdownCountsNoCrash) {
     }
 }
 
+TEST_F(JobStoreTest, WhatWasUnderWayWhenAJobEndedIsNotRecovered) {
+    const int64_t job = running();
+    store_->begin_unit(job, unit(1));
+    end(job, JobState::kCancelled);
+    reopen();
+    EXPECT_EQ(store_->recovered().units, 0);
+    EXPECT_TRUE(store_->units_of(job).suspects.empty());
+}
+
 TEST_F(JobStoreTest, ATerminalStateNeverChanges) {
     const int64_t job = running();
     EXPECT_TRUE(end(job, JobState::kFailed));

@@ -9,6 +9,9 @@
 namespace probebake {
 namespace {
 
+constexpr int kLeastPixels = 12;
+/// Of all probes of a job together, which have nothing else to tell them.
+constexpr size_t kLeastPixelsOfJob = 128;
 constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kLeastWindows = 16;
@@ -40,6 +43,10 @@ WindowDraws ssim_windows(const WindowParams& params, double rays) {
     }
     RandomStream random(random_key({params.key, kWindowStream}));
     return {2 * static_cast<int>(paid_for / 2.0 + random.uniform()), grid};
+}
+
+int least_pixels(const JobSpec& job) {
+    return std::max(kLeastPixels, static_cast<int>(kLeastPixelsOfJob / job.probes.size()));
 }
 
 }  // namespace probebake

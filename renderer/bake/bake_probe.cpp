@@ -35,9 +35,6 @@ constexpr double kLeafRaysConfidence = 0.7;
 /// Paths of each mean of an audit: so many, squared, at most; in windows at least.
 constexpr int kLargestPathGrid = 64;
 constexpr int kLeastPathGrid = 2;
-constexpr int kLeastAuditPixels = 12;
-/// Of all probes of a job together, which have nothing else to tell them.
-constexpr size_t kLeastPixelsOfJob = 128;
 /// Of an audit's rays, how many more look for hidden light; but at least so many.
 constexpr double kHiddenLightShare = 0.25;
 constexpr double kLeastHiddenLightRays = 256.0;
@@ -437,7 +434,7 @@ class Unit {
             .weighting = job_.quality.weighting,
             .pixels = job_.quality.evidence.pixels_per_probe,
             .rays = windows_alone ? kPixelsBesideWindows * rays : rays,
-            .least_pixels = windows_alone ? kPixelsBesideWindowsAtLeast : least_audit_pixels(),
+            .least_pixels = windows_alone ? kPixelsBesideWindowsAtLeast : least_pixels(job_),
             .most_pixels = static_cast<int>(render_.aux.size()),
             .windows = windows.count,
             .window_grid = windows.grid,
@@ -455,11 +452,6 @@ class Unit {
         Audit audit = audit_cubemap(spec, cancel_);
         audit.cost += search_cost;
         return audit;
-    }
-
-    int least_audit_pixels() const {
-        const size_t of_job = kLeastPixelsOfJob / job_.probes.size();
-        return std::max(kLeastAuditPixels, static_cast<int>(of_job));
     }
 
     /// Paths through media meet emissive voxels and sky by themselves.

@@ -266,10 +266,8 @@ class JobReader {
                                      {.min = 0.0, .max = 1.0, .more_than_min = true}));
         take(QualityTarget::Metric::kRelMse,
              targets.optional_number("rel_mse", {.min = 0.0, .max = 1.0, .more_than_min = true}));
-        if (targets.has("rays")) {
-            take(QualityTarget::Metric::kRays,
-                 static_cast<double>(targets.unsigned_integer("rays", limits_.max_rays, {})));
-        }
+        const uint64_t rays = targets.unsigned_integer("rays", limits_.max_rays, 0);
+        if (targets.has("rays")) take(QualityTarget::Metric::kRays, static_cast<double>(rays));
         targets.refuse_unknown();
         spec_.quality.require = static_cast<Require>(quality.choice("require", kRequireNames, 0));
         if (given.size() > 1 && targets.has("rays")) {

@@ -11,21 +11,18 @@ std::string number_or_dash(const Json& value, int decimals) {
 
 /// The target's figure with its interval, e.g. "41.2 [40.3, 42.4]": SSIM or irradiance_rel where
 /// that is the target, else PSNR.
+/// Of the metrics that reports are in dB for: "psnr_db".
+std::string shown_metric(const std::string& target) {
+    const bool by_itself = target == "irradiance_rel" || target == "rel_mse" || target == "ssim";
+    return by_itself ? target : "psnr_db";
+}
+
 std::string error_text(const Json& error, const std::string& metric) {
-    if (metric == "irradiance_rel" && error.contains(metric)) {
-        return number_or_dash(error[metric], 4) + " [" +
-               number_or_dash(error["irradiance_rel_interval"][0], 4) + ", " +
-               number_or_dash(error["irradiance_rel_interval"][1], 4) + "]";
-    }
-    if (error.contains("ssim")) {
-        return number_or_dash(error["ssim"], 4) + " [" +
-               number_or_dash(error["ssim_interval"][0], 4) + ", " +
-               number_or_dash(error["ssim_interval"][1], 4) + "]";
-    }
-    if (error["exact"].get<bool>()) return "exact";
-    return number_or_dash(error["psnr_db"], 1) + " [" +
-           number_or_dash(error["psnr_db_interval"][0], 1) + ", " +
-           number_or_dash(error["psnr_db_interval"][1], 1) + "]";
+    if (!error.contains(metric)) return "-";
+    const int decimals = metric == "psnr_db" ? 1 : 4;
+    const Json& interval = error[metric + "_interval"];
+    return number_or_dash(error[metric], decimals) + " [" + number_or_dash(interval[0], decimals) +
+           ", " + number_or_dash(interval[1], decimals) + "]";
 }
 
 std::string settings_text(const Json& settings) {
@@ -49,7 +46,7 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
     const Json& scene = report["scene"];
     const Json& target = report["target"];
     const Json& targets = target["targets"];
-    const std::string metric = targets[0]["metric"];
+    const std::string metric = shown_metric(targets[0]["metric"]);
     std::string wanted;
     for (const Json& one : targets) {
         if (!wanted.empty()) wanted += target["require"] == "all" ? " and " : " or ";
@@ -60,9 +57,8 @@ std::string report_text(const Json& report, const std::vector<Json>& rows) {
                        " octree nodes, " + bytes_text(scene["bytes"]) + "\ntarget " + wanted +
                        " against " + target["against"].get<std::string>() + "\n\n";
 
-    Table table({"probe/state", "result", "evidence",
-                 metric == "irradiance_rel" ? metric : "dB or SSIM", "rays/px", "rays", "steps",
-                 "seconds", "settings"});
+    Table table({"probe/state", "result", "evidence", metric == "psnr_db" ? "dB" : metric,
+                 "rays/px", "rays", "steps", "seconds", "settings"});
     for (const Json& row : rows) {
         if (row.contains("grid")) continue;
         const Json& cost = row["cost"];

@@ -112,7 +112,8 @@ Metrics::Metrics()
                  .Add({})),
       mended_(BuildCounter()
                   .Name("probebake_damaged_units_total")
-                  .Help("Units whose files were found damaged, by what became of them")
+                  .Help("Attempts to bake units again whose files were found damaged, by what came "
+                        "of them")
                   .Register(registry_)),
       recovered_(BuildCounter()
                      .Name("probebake_recovered_units_total")
@@ -155,7 +156,7 @@ Metrics::Metrics()
                     .Add({})) {
     // There from the start, so that the first one is an increase.
     for (const char* kind : {"real", "null"}) collisions_.Add({{"kind", kind}});
-    for (const char* result : {"mended", "lost"}) mended_.Add({{"result", result}});
+    for (const char* result : {"mended", "not_mended"}) mended_.Add({{"result", result}});
     for (const JobState state : {JobState::kSucceeded, JobState::kFailed, JobState::kCancelled}) {
         ended_.Add({{"state", std::string(name_of(state))}});
     }
@@ -208,7 +209,8 @@ void Metrics::count_report(const Json& report) {
 }
 
 void Metrics::count_mended(size_t units, bool mended) {
-    mended_.Add({{"result", mended ? "mended" : "lost"}}).Increment(static_cast<double>(units));
+    mended_.Add({{"result", mended ? "mended" : "not_mended"}})
+        .Increment(static_cast<double>(units));
 }
 
 std::string Metrics::scrape(const JobManager& jobs, const JobStore& store) {

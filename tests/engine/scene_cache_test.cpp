@@ -131,6 +131,7 @@ TEST_F(SceneCacheTest, JobsThatAskForTheSamePictureDoNotDisturbEachOther) {
     std::atomic<int> wrong = 0;
     {
         std::vector<std::jthread> jobs;
+        jobs.reserve(8);
         for (int job = 0; job < 8; ++job) {
             jobs.emplace_back([&] {
                 for (int i = 0; i < 20; ++i) {

@@ -252,6 +252,7 @@ TEST_F(JobRestartTest, AKeyThatComesTwiceAtOnceIsOneJob) {
     for (size_t i = 0; i < kJobs; ++i) {
         std::barrier together(4);
         std::vector<std::jthread> clients;
+        clients.reserve(4);
         for (int k = 0; k < 4; ++k) {
             clients.emplace_back([&] {
                 JobRequest request{.spec = read_job(test::net_request(1)), .scene = file_};
@@ -274,6 +275,7 @@ TEST_F(JobRestartTest, AQuotaHoldsForJobsThatComeAtOnce) {
     start({.max_queued = 100, .max_per_tenant = 3});
     std::barrier together(16);
     std::vector<std::jthread> clients;
+    clients.reserve(16);
     for (int k = 0; k < 16; ++k) {
         clients.emplace_back([&] {
             together.arrive_and_wait();

@@ -23,15 +23,16 @@ class ServeScriptTest : public testing::Test {
             GTEST_SKIP() << "no nginx: scripts/install-packages proxy";
         }
         test::write_scenes(folder_.path() / "scenes");
-        script_.emplace(folder_.path() / "script",
-                        std::vector<std::string>{
-                            "--pdeathsig", "TERM", PROBEBAKE_SOURCE_DIR "/scripts/serve",
-                            "--listen", "127.0.0.1:" + std::to_string(port_), "--host-name",
-                            "bakes.example", "--max-upload-mib", "2", "--data", path("data"),
-                            "--scenes", path("scenes"), "--threads", "2", "--drain-seconds", "0"},
-                        test::Process::Program{
-                            "/usr/bin/setpriv",
-                            {"PROBEBAKE=" PROBEBAKE_BINARY, "PROBEBAKE_RUN=" + path("run")}});
+        script_.emplace(
+            folder_.path() / "script",
+            std::vector<std::string>{
+                "--pdeathsig", "TERM", std::string(PROBEBAKE_SOURCE_DIR) + "/scripts/serve",
+                "--listen", "127.0.0.1:" + std::to_string(port_), "--host-name", "bakes.example",
+                "--max-upload-mib", "2", "--data", path("data"), "--scenes", path("scenes"),
+                "--threads", "2", "--drain-seconds", "0"},
+            test::Process::Program{
+                "/usr/bin/setpriv",
+                {"PROBEBAKE=" PROBEBAKE_BINARY, "PROBEBAKE_RUN=" + path("run")}});
         for (int i = 0; i < 3000 && status("/healthz") != 200; ++i) {
             ASSERT_FALSE(script_->wait(0ms)) << script_->err();
             std::this_thread::sleep_for(10ms);

@@ -78,7 +78,7 @@ TEST_F(DataFolderTest, ADamagedPageIsFoundAtStart) {
     store_.reset();
     const fs::path file = data() / "probebake.sqlite";
     std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
-    bytes.seekp(4096 * 3);
+    bytes.seekp(std::streamoff{3} * 4096);
     bytes.write(std::string(64, '\x7f').data(), 64);
     bytes.close();
     const std::string problem = problem_of_opening(data());

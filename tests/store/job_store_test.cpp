@@ -276,6 +276,7 @@ TEST_F(JobStoreTest, WritesThatComeTogetherAreCommittedTogether) {
     constexpr int kJobs = 20;
     {
         std::vector<std::jthread> threads;
+        threads.reserve(kThreads);
         for (int i = 0; i < kThreads; ++i) {
             threads.emplace_back([&] {
                 for (int k = 0; k < kJobs; ++k) insert();
@@ -297,6 +298,7 @@ TEST_F(JobStoreTest, AFailedWriteTakesNoOtherWithIt) {
     std::atomic<int> failures{0};
     {
         std::vector<std::jthread> threads;
+        threads.reserve(8);
         for (int i = 0; i < 8; ++i) {
             threads.emplace_back([&, i] {
                 try {

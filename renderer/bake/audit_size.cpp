@@ -10,8 +10,9 @@ namespace probebake {
 namespace {
 
 constexpr int kLeastPixels = 12;
-/// Of all probes of a job together, which have nothing else to tell them.
-constexpr size_t kLeastPixelsOfJob = 128;
+/// Of few probes together, which have nothing else to tell them.
+constexpr size_t kFewProbes = 8;
+constexpr size_t kLeastPixelsOfFew = 128;
 constexpr int kLeastIrradianceDraws = 64;
 constexpr double kMaxIrradianceDraws = 65'536.0;
 constexpr int kLeastWindows = 16;
@@ -46,7 +47,8 @@ WindowDraws ssim_windows(const WindowParams& params, double rays) {
 }
 
 int least_pixels(const JobSpec& job) {
-    return std::max(kLeastPixels, static_cast<int>(kLeastPixelsOfJob / job.probes.size()));
+    if (job.probes.size() >= kFewProbes) return kLeastPixels;
+    return static_cast<int>(kLeastPixelsOfFew / job.probes.size());
 }
 
 }  // namespace probebake

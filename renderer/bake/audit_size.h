@@ -31,7 +31,7 @@ struct WindowParams {
 /// none in most probes of small faces.
 WindowDraws ssim_windows(const WindowParams& params, double rays);
 
-/// Draws of pixels: a probe's share of those that a job has at least, and some.
+/// Draws of pixels, where few probes have little else to tell them more than elsewhere.
 int least_pixels(const JobSpec& job);
 
 }  // namespace probebake

@@ -42,6 +42,8 @@ constexpr double kLeastHiddenLightRays = 256.0;
 constexpr double kPixelsBesideWindows = 0.2;
 constexpr int kPixelsBesideWindowsAtLeast = 2;
 
+/// Of a unit's seconds, those for renders.
+constexpr double kTimeShare = 0.8;
 /// Prices are lowered by this factor until a probe's prediction meets its goal.
 constexpr double kPriceStep = 0.9;
 /// A probe that missed aims at what the bound says (kNextAim), within these factors.
@@ -103,19 +105,7 @@ class Unit {
 
     bool steered() const {
         return !params_.out_of_time && !through_media() && !ray_limit(job_, probe_) &&
-               first_goal().has_value();
-    }
-
-    /// The prediction at which every target that has to be met is expected to be.
-    std::optional<double> first_goal() const {
-        std::optional<double> goal;
-        for (const std::optional<Steering>& target : pilot_.steering) {
-            if (!target) continue;
-            const bool all = job_.quality.require == Require::kAll;
-            goal = !goal ? target->goal
-                         : (all ? std::min(*goal, target->goal) : std::max(*goal, target->goal));
-        }
-        return goal;
+               first_goal(pilot_, job_.quality.require).has_value();
     }
 
     /// One cubemap, refined further until its bound meets the target. What the first looks do not
@@ -126,7 +116,7 @@ class Unit {
         reveal_hidden_light(cubemap);
         const std::vector<double> weights =
             owned_pixel_weights(job_.quality.weighting, probe_.face_size_px, pilot_.exposure);
-        double goal = *first_goal();
+        double goal = *first_goal(pilot_, job_.quality.require);
         double price = cubemap.largest_gain();
         RenderSettings settings = hybrid_at(price);
         const double lowest = price * 0x1.0p-60;
@@ -220,6 +210,10 @@ class Unit {
                 audit_effort_ *= kHarderLook;
             } else {
                 if (next == pilot_.finer.size()) return;
+                if (!affords_another_render()) {
+                    render_.limited = true;
+                    return;
+                }
                 next = next_finer(next, result_.certificate.error);
                 render_again(next++);
             }
@@ -240,7 +234,7 @@ class Unit {
         const bool any_will_do =
             job_.quality.targets.size() > 1 && job_.quality.require == Require::kAny;
         if (!through_media() || any_will_do || params_.out_of_time || render_.limited ||
-            next == pilot_.finer.size()) {
+            next == pilot_.finer.size() || !affords_another_render()) {
             return std::nullopt;
         }
         std::optional<size_t> finer;
@@ -310,10 +304,21 @@ class Unit {
         const std::optional<uint64_t> limit = ray_limit(job_, probe_);
         if (through_media()) {
             return render_through_media(scene_, *pilot_.media->tracer, paths_view(),
-                                        result_.settings, limit, cancel_);
+                                        result_.settings, {limit, seconds_left()}, cancel_);
         }
         return render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
                               cancel_, limit);
+    }
+
+    /// For one render more.
+    std::optional<double> seconds_left() const {
+        if (!params_.seconds) return std::nullopt;
+        return kTimeShare * *params_.seconds - result_.earlier_renders.seconds -
+               result_.decision_cost.seconds - result_.certificate.cost.seconds;
+    }
+    /// With less time than the last one took, another would be worse.
+    bool affords_another_render() const {
+        return !seconds_left() || *seconds_left() > 2.0 * render_.total().seconds;
     }
 
     void take(CubemapRender render) {

@@ -20,6 +20,8 @@ struct UnitParams {
     size_t probe = 0;
     /// The job's wall time is used up: the cheapest settings, no second look.
     bool out_of_time = false;
+    /// Of all threads together, that it may take; kept by what looks at the clock: paths.
+    std::optional<double> seconds;
     /// Whether further probes learn from this one's audit, which then is a larger one.
     bool teaches = false;
 };

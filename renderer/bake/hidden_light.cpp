@@ -10,6 +10,7 @@ namespace {
 
 /// Per side of a pixel, parts whose sky is compared with it.
 constexpr int kParts = 2;
+constexpr int kLeastEmitterRays = 64;
 
 double squared_difference(const Rgb& a, const Rgb& b) {
     const Vec3 d = Vec3(a) - Vec3(b);
@@ -76,7 +77,8 @@ class Search {
 
     void look_at_emitters() {
         RandomStream random = this->random(0);
-        for (int i = 0; i < spec_.rays; ++i) {
+        const int rays = std::max(kLeastEmitterRays, static_cast<int>(kEmitterShare * spec_.rays));
+        for (int i = 0; i < rays; ++i) {
             const auto sample = spec_.emitters->sample(
                 spec_.origin, {random.uniform(), random.uniform(), random.uniform()});
             if (!sample) continue;
@@ -92,7 +94,7 @@ class Search {
             const double density = EmitterSampler::density(sample->probability, distance, cosine) /
                                    std::pow(1.0 + at.u * at.u + at.v * at.v, 1.5);
             const double spacing = grid_spacing(n_);
-            add(owner_towards(at), seen, 1.0 / (spec_.rays * density * spacing * spacing));
+            add(owner_towards(at), seen, 1.0 / (rays * density * spacing * spacing));
         }
     }
 
@@ -148,9 +150,7 @@ class Search {
 
 std::shared_ptr<const EmitterSampler> emitters_to_look_for(const Scene& scene,
                                                            const LightingState& state) {
-    const bool shown =
-        state.kind == LightingState::Kind::kEmission || (state.lit() && state.emission);
-    if (!shown || !scene.emits()) return nullptr;
+    if (state.kind != LightingState::Kind::kEmission || !scene.emits()) return nullptr;
     return std::make_shared<const EmitterSampler>(scene.tree);
 }
 

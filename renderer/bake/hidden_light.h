@@ -17,16 +17,20 @@
 
 namespace probebake {
 
-/// Emissive voxels, where a state shows them; none elsewhere.
+/// Emissive voxels, where a state shows nothing else; none elsewhere. In lit states they cost more
+/// than they tell (docs/decisions.md).
 std::shared_ptr<const EmitterSampler> emitters_to_look_for(const Scene& scene,
                                                            const LightingState& state);
+
+/// Few lamps are found by few rays: they are drawn by what they may bring.
+inline constexpr double kEmitterShare = 1.0 / 16.0;
 
 struct HiddenLightSpec {
     const RenderScene& scene;
     const EmitterSampler* emitters = nullptr;  // none: not looked for
     Vec3 origin{0.0};                          // voxels
     const Cubemap& as_written;
-    int rays = 0;  // towards emissive voxels, and as many towards the sky
+    int rays = 0;  // towards the sky, and kEmitterShare of them towards emissive voxels
     uint64_t key = 0;
 };
 

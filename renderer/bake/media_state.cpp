@@ -189,13 +189,14 @@ CostStats cost_of(const PathCount& count) {
 
 CubemapRender render_through_media(const Scene& scene, const PathTracer& tracer,
                                    const VolumeView& view, const RenderSettings& settings,
-                                   std::optional<uint64_t> path_limit, const CancelToken& cancel) {
+                                   const PathLimits& limits, const CancelToken& cancel) {
     VolumeQuality quality{.target_rmse = settings.noise,
                           .first_samples = settings.samples,
                           .most_samples = kMostPathsPerPixel,
-                          .most_paths = path_limit};
-    if (path_limit) {
-        const uint64_t per_pixel = *path_limit / owned_pixel_count(view.face_size_px);
+                          .most_paths = limits.paths,
+                          .most_seconds = limits.seconds};
+    if (limits.paths) {
+        const uint64_t per_pixel = *limits.paths / owned_pixel_count(view.face_size_px);
         quality.first_samples = static_cast<int>(std::min(
             static_cast<uint64_t>(quality.first_samples), std::max<uint64_t>(2, per_pixel)));
     }

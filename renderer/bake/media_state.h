@@ -63,10 +63,16 @@ double effective_far_through_media_m(const Scene& scene, const ProbeSpec& probe)
 /// The probe as paths see it.
 VolumeView volume_view(const Scene& scene, const ProbeSpec& probe, uint64_t key);
 
+/// What a render through media may take in all, beyond the fewest paths in every pixel.
+struct PathLimits {
+    std::optional<uint64_t> paths;
+    std::optional<double> seconds;  // of all threads together
+};
+
 /// A whole cubemap. Of the settings, `samples` and `noise` count.
 CubemapRender render_through_media(const Scene& scene, const PathTracer& tracer,
                                    const VolumeView& view, const RenderSettings& settings,
-                                   std::optional<uint64_t> path_limit, const CancelToken& cancel);
+                                   const PathLimits& limits, const CancelToken& cancel);
 
 /// Two independent means of `paths` paths each.
 TruthPair path_truth(const PathTracer& tracer, const VolumeView& view, const CubePixel& owner,

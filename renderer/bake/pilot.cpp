@@ -380,9 +380,9 @@ std::vector<RenderSettings> curve_settings(const Pilot& leaf_rays) {
     return settings;
 }
 
-/// Over the channels, of what the sample shows and what emissive voxels have.
-double largest_radiance(const SearchSample& sample, const EmitterSampler* emitters) {
-    double largest = emitters != nullptr ? emitters->largest_radiance() : 0.0;
+/// Over the channels, of what the sample shows.
+double largest_radiance(const SearchSample& sample) {
+    double largest = 0.0;
     for (const SearchPixel& pixel : sample.pixels) {
         for (const Rgb& truth : {pixel.truth.r1, pixel.truth.r2}) {
             largest = std::max(largest, (double{truth.r} + truth.g + truth.b) / 3.0);
@@ -403,6 +403,17 @@ double TimeBudget::per_pixel(const JobSpec& job, double pilot_seconds) const {
     return kTimeShare * std::max(0.0, of_state(job) - pilot_seconds) * threads / pixels;
 }
 
+std::optional<double> first_goal(const Pilot& pilot, Require require) {
+    std::optional<double> goal;
+    for (const std::optional<Steering>& target : pilot.steering) {
+        if (!target) continue;
+        const bool all = require == Require::kAll;
+        goal = !goal ? target->goal
+                     : (all ? std::min(*goal, target->goal) : std::max(*goal, target->goal));
+    }
+    return goal;
+}
+
 Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const ReadyState& state,
                 const CancelToken& cancel, const std::optional<TimeBudget>& time) {
     if (sees_media(scene, state.spec)) return run_media_pilot(scene, job, state, cancel, time);
@@ -410,8 +421,14 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     PilotSample pixels(scene, job, state, cancel);
     Pilot pilot{
         .state = state, .exposure = pixels.sample().exposure, .truth_grid = pixels.truth_grid()};
-    if (job.quality.evidence.audit) pilot.emitters = emitters_to_look_for(scene, state.spec);
-    pilot.largest_radiance = largest_radiance(pixels.sample(), pilot.emitters.get());
+    pilot.largest_radiance = largest_radiance(pixels.sample());
+    if (job.quality.evidence.audit) {
+        pilot.emitters = emitters_to_look_for(scene, state.spec);
+    }
+    if (pilot.emitters) {
+        pilot.largest_radiance =
+            std::max(pilot.largest_radiance, pilot.emitters->largest_radiance());
+    }
     std::vector<RenderSettings> measured;
     if (state.spec == LightingState::kEmission && !scene.emits()) {
         pilot.settings = {.kind = RendererKind::kLod};  // black, whatever is cast

@@ -39,6 +39,11 @@ inline constexpr double kNextAim = 0.97;
 
 Steering steering_of(const QualityTarget& target, const ErrorPrior& prior);
 
+struct Pilot;
+/// The prediction at which every target that has to be met is expected to be; none where no probe
+/// is steered.
+std::optional<double> first_goal(const Pilot& pilot, Require require);
+
 struct FinerSettings {
     RenderSettings settings;
     double mse = 0.0;  // as settings_mse; 0 where the sample showed no error any more

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
 
 #include "bake/job_names.h"
@@ -76,6 +77,17 @@ Json write_error(const MeasuredError& error, double confidence) {
         json["ssim_interval"] = {interval.low, interval.high};
     }
     return json;
+}
+
+/// As the kernel names it; empty where it does not.
+std::string cpu_model() {
+    std::ifstream info("/proc/cpuinfo");
+    constexpr std::string_view kKey = "model name";
+    for (std::string line; std::getline(info, line);) {
+        const size_t colon = line.find(": ");
+        if (line.starts_with(kKey) && colon != std::string::npos) return line.substr(colon + 2);
+    }
+    return {};
 }
 
 /// In the place of an audit's figures of a target's metric those of a posterior.
@@ -389,11 +401,9 @@ Json write_grid_row(const GridResult& result) {
 }
 
 Json provenance(int threads) {
-    return {{"version", PROBEBAKE_VERSION},
-            {"compiler", "g++ " __VERSION__},
-            {"kernel", "scalar"},
-            {"instruction_set", "x86-64-v2"},
-            {"threads", threads}};
+    return {{"version", PROBEBAKE_VERSION}, {"compiler", "g++ " __VERSION__},
+            {"kernel", "scalar"},           {"instruction_set", "x86-64-v2"},
+            {"cpu", cpu_model()},           {"threads", threads}};
 }
 
 Json write_report(const BakeRecord& record) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "math/sampling.h"
@@ -190,8 +191,14 @@ class Renderer {
     }
 
     uint64_t budget_left() const {
-        if (!quality_.most_paths) return std::numeric_limits<uint64_t>::max();
-        return *quality_.most_paths - std::min(*quality_.most_paths, paths_);
+        uint64_t left = std::numeric_limits<uint64_t>::max();
+        if (quality_.most_paths)
+            left = *quality_.most_paths - std::min(*quality_.most_paths, paths_);
+        if (!quality_.most_seconds) return left;
+        const double spent = std::accumulate(out_.seconds.begin(), out_.seconds.end(), 0.0);
+        const double paid_for = std::max(0.0, *quality_.most_seconds - spent) *
+                                static_cast<double>(paths_) / std::max(1e-9, spent);
+        return paid_for < static_cast<double>(left) ? static_cast<uint64_t>(paid_for) : left;
     }
 
     void write() {

@@ -27,6 +27,8 @@ struct VolumeQuality {
     int most_samples = 4096;   // of a pixel
     /// Paths that may be traced in all, first_samples in every pixel in any case; none: no budget.
     std::optional<uint64_t> most_paths;
+    /// The same of seconds, all threads together: looked at between rounds.
+    std::optional<double> most_seconds;
 };
 
 struct VolumePixel {
@@ -43,7 +45,7 @@ struct VolumeCubemap {
     std::array<double, kFaceCount> seconds{};  // summed over threads
     double predicted_rmse = 0.0;
     bool target_met = false;
-    bool limited = false;  // most_paths stood in the way
+    bool limited = false;  // most_paths or most_seconds stood in the way
     int rounds = 1;
 
     PathCount count() const;

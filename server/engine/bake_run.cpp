@@ -85,6 +85,12 @@ class BakeRun {
     }
     bool out_of_time() const { return job_.budget.seconds && seconds_left() <= 0.0; }
 
+    /// Of all threads together, an equal part of what is left. With mutex_ held.
+    double seconds_of_a_unit() const {
+        const auto units = static_cast<double>(progress_.units - progress_.units_done);
+        return std::max(0.0, seconds_left()) * params_.pool.threads() / std::max(1.0, units);
+    }
+
     void light() {
         const bool any = std::any_of(job_.states.begin(), job_.states.end(),
                                      [](const LightingState& state) { return state.lit(); });
@@ -177,11 +183,12 @@ class BakeRun {
         params_.cancel.throw_if_cancelled();
         if (params_.begin) params_.begin(i);
         // Probe by probe, so that a probe's states end together.
-        const UnitParams unit{.probe = i / job_.states.size(),
-                              .out_of_time = out_of_time(),
-                              .teaches = i < teachers()};
+        UnitParams unit{.probe = i / job_.states.size(),
+                        .out_of_time = out_of_time(),
+                        .teaches = i < teachers()};
         {
             const std::lock_guard lock(mutex_);
+            if (job_.budget.seconds) unit.seconds = seconds_of_a_unit();
             progress_.times.begin_unit(i, owned_pixels(i), Clock::now());
         }
         ProbeResult result;

@@ -72,7 +72,7 @@ void expect_found(const RenderScene& scene, const EmitterSampler* emitters) {
                                                     .emitters = emitters,
                                                     .origin = kEye,
                                                     .as_written = black,
-                                                    .rays = 400'000,
+                                                    .rays = 2'000'000,
                                                     .key = 11},
                                                    cost);
     const std::vector<double> there = by_rays_everywhere(scene, black).differences;

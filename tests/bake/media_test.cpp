@@ -229,6 +229,24 @@ TEST_F(MediaBake, PilotAndRenderEndSoonAfterACancellation) {
               1.0);
 }
 
+TEST_F(MediaBake, AUnitKeepsToItsSeconds) {
+    Json request = day_request({{"rmse", 0.004}});
+    request["face_size_px"] = 32;
+    const JobSpec job = read_job(request);
+    const Pilot pilot = this->pilot(job);
+    constexpr double kSeconds = 1.0;
+    const ProbeResult result =
+        bake_probe(scene_, job, pilot, {.probe = 1, .seconds = kSeconds}, cancel_);
+    const double taken = result.render_cost().seconds + result.earlier_renders.seconds;
+    EXPECT_TRUE(result.limited);
+    EXPECT_FALSE(result.target_met);
+    EXPECT_GT(taken, 0.3 * kSeconds);
+    EXPECT_LT(taken, 1.5 * kSeconds);
+    const ProbeResult once = bake_probe(scene_, job, pilot, {.probe = 1, .seconds = 0.0}, cancel_);
+    EXPECT_TRUE(once.limited);
+    EXPECT_LT(once.render_cost().rays, result.render_cost().rays);
+}
+
 TEST_F(MediaBake, EmissionIsSeenThroughMedia) {
     MediumSpec fire = cloud(Rgb(0.5f), Rgb(0.1f));
     fire.emission = Rgb(2.0f, 1.0f, 0.5f);

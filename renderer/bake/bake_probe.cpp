@@ -42,8 +42,6 @@ constexpr double kLeastHiddenLightRays = 256.0;
 constexpr double kPixelsBesideWindows = 0.2;
 constexpr int kPixelsBesideWindowsAtLeast = 2;
 
-/// Of a unit's seconds, those for renders.
-constexpr double kTimeShare = 0.8;
 /// Prices are lowered by this factor until a probe's prediction meets its goal.
 constexpr double kPriceStep = 0.9;
 /// A probe that missed aims at what the bound says (kNextAim), within these factors.
@@ -313,7 +311,7 @@ class Unit {
     /// For one render more.
     std::optional<double> seconds_left() const {
         if (!params_.seconds) return std::nullopt;
-        return kTimeShare * *params_.seconds - result_.earlier_renders.seconds -
+        return kRenderShareOfTime * *params_.seconds - result_.earlier_renders.seconds -
                result_.decision_cost.seconds - result_.certificate.cost.seconds;
     }
     /// With less time than the last one took, another would be worse.

@@ -13,9 +13,6 @@ namespace {
 
 /// Of a budget of seconds, what the pilot may use before it takes what it has.
 constexpr double kPilotShare = 0.5;
-/// Of what the pilot leaves, what the render is planned to take; the rest is for audits, files and
-/// what the pilot is wrong by.
-constexpr double kTimeShare = 0.8;
 
 /// What the first look at a probe aims at, of the error that the target allows: what it spares the
 /// probes whose error is less than predicted pays for further looks at the others
@@ -400,7 +397,7 @@ Steering steering_of(const QualityTarget& target, const ErrorPrior& prior) {
 double TimeBudget::per_pixel(const JobSpec& job, double pilot_seconds) const {
     const double pixels =
         static_cast<double>(pixel_count(job)) / static_cast<double>(job.states.size());
-    return kTimeShare * std::max(0.0, of_state(job) - pilot_seconds) * threads / pixels;
+    return kRenderShareOfTime * std::max(0.0, of_state(job) - pilot_seconds) * threads / pixels;
 }
 
 std::optional<double> first_goal(const Pilot& pilot, Require require) {

@@ -73,6 +73,10 @@ struct Pilot {
     double wall_seconds = 0.0;
 };
 
+/// Of a budget of seconds, what renders are planned to take; the rest is for audits, files and what
+/// plans are wrong by.
+inline constexpr double kRenderShareOfTime = 0.8;
+
 /// What is left of a job's budget of seconds when the first of its pilots begins, for all pilots
 /// and renders. Every lighting state has an equal part, of which its own pilot takes what it needs
 /// and its render is planned to take most of the rest. Nothing of it goes over to another state:

@@ -9,14 +9,13 @@ std::string number_or_dash(const Json& value, int decimals) {
     return value.is_number() ? fixed(value.get<double>(), decimals) : "-";
 }
 
-/// The target's figure with its interval, e.g. "41.2 [40.3, 42.4]": SSIM or irradiance_rel where
-/// that is the target, else PSNR.
-/// Of the metrics that reports are in dB for: "psnr_db".
+/// The metric that a target is shown by: its own, or "psnr_db" for those that dB say.
 std::string shown_metric(const std::string& target) {
     const bool by_itself = target == "irradiance_rel" || target == "rel_mse" || target == "ssim";
     return by_itself ? target : "psnr_db";
 }
 
+/// A metric's figure with its interval, e.g. "41.2 [40.3, 42.4]".
 std::string error_text(const Json& error, const std::string& metric) {
     if (!error.contains(metric)) return "-";
     const int decimals = metric == "psnr_db" ? 1 : 4;

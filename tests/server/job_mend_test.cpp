@@ -31,6 +31,16 @@ class JobMendTest : public test::JobFixture {
         wait_until_ended(id);
         return id;
     }
+    /// A job and its damaged unit, whose mend waits for the scene.
+    std::pair<std::string, int64_t> begin_mend() {
+        start();
+        const std::string id = bake(test::net_request(1));
+        const int64_t unit = damage(id, "p0");
+        gated_ = true;
+        manager_->mend(id, unit);
+        wait_for_waiting(1);
+        return {id, unit};
+    }
     void wait_for_mends(size_t count) {
         for (int i = 0; i < 60000 && mends().size() < count; ++i) std::this_thread::sleep_for(5ms);
         ASSERT_EQ(mends().size(), count);
@@ -85,12 +95,7 @@ TEST_F(JobMendTest, WhatAJobNeverHadIsNotBakedToMendTheRest) {
 }
 
 TEST_F(JobMendTest, WhoAsksWhileItIsMendedCausesNoSecondMend) {
-    start();
-    const std::string id = bake(test::net_request(1));
-    const int64_t unit = damage(id, "p0");
-    gated_ = true;
-    manager_->mend(id, unit);
-    wait_for_waiting(1);
+    const auto [id, unit] = begin_mend();
     EXPECT_EQ(manager_->mend(id, unit), JobManager::Mend::kUnderWay);
     gate_.open();
     wait_for_mends(1);
@@ -100,12 +105,7 @@ TEST_F(JobMendTest, WhoAsksWhileItIsMendedCausesNoSecondMend) {
 }
 
 TEST_F(JobMendTest, AMendThatTheEndOfTheServiceStopsIsNotToldOf) {
-    start();
-    const std::string id = bake(test::net_request(1));
-    const int64_t unit = damage(id, "p0");
-    gated_ = true;
-    manager_->mend(id, unit);
-    wait_for_waiting(1);
+    begin_mend();
     manager_->drain(0ms);
     EXPECT_TRUE(mends().empty());
 }

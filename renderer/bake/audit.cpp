@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/audit_size.h"
 #include "bake/probe_view.h"
 #include "image/ssim.h"
 
@@ -103,7 +104,9 @@ int number_of_draws(const AuditSpec& spec, const std::vector<double>& probabilit
     for (size_t i = 0; i < probability.size(); ++i) {
         rays_per_draw += probability[i] * rays_of(spec, i);
     }
-    const double paid_for = spec.rays / rays_per_draw;
+    const double paid_for =
+        std::min(spec.rays / rays_per_draw, static_cast<double>(spec.most_pixels));
+    if (spec.spared && paid_for < spec.least_pixels) return in_pairs(paid_for, spec.key);
     return static_cast<int>(std::clamp(paid_for, static_cast<double>(spec.least_pixels),
                                        static_cast<double>(spec.most_pixels)));
 }
@@ -319,8 +322,8 @@ std::optional<AuditedRatio> audited_ratio(QualityTarget::Metric metric, const Au
     if (irradiance) predicted = audit.noise ? audit.noise->square : 0.0;
     if (ssim && audit.ssim_lost) predicted = *audit.ssim_lost;
     if (!(predicted > 0.0)) return std::nullopt;
-    if (!size && ssim) return AuditedRatio{.predicted = predicted};
-    if (!size) return std::nullopt;
+    if (!size && !ssim) return std::nullopt;
+    if (!size || size->samples == 0) return AuditedRatio{.predicted = predicted};
     return AuditedRatio{.predicted = predicted,
                         .measured = size->value,
                         .variance = size->variance,

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
-#include "bake/audit_size.h"
 #include "bake/learn.h"
 #include "bake/path_noise.h"
+#include "bake/probe_audit.h"
 #include "bake/probe_files.h"
 #include "bake/probe_view.h"
 #include "image/exr.h"
@@ -17,30 +18,20 @@ namespace probebake {
 namespace {
 
 constexpr int kMaxLooks = 6;
-/// Of a render's rays, what an audit of it may cast.
-constexpr double kAuditShare = 0.05;
-constexpr double kTeachingShare = 0.2;
 /// An audit tells by itself from so many draws on, over the square of a draw's relative standard
 /// deviation: its own is within 0.3 then.
 constexpr double kTellingDraws = 12.0;
-constexpr double kLeafRaysShare = 0.1;
-/// Through media, for irradiance: of these shares, because audits go where paths are long.
-constexpr double kPathsShare = 0.4;
 /// Where a probe cannot be refined, or is as good as met, the next audit looks harder: so many
 /// times the rays.
 constexpr double kHarderLook = 4.0;
 constexpr double kHardestLook = 16.0;
 /// As good as met, for leaf rays alone, at this confidence.
 constexpr double kLeafRaysConfidence = 0.7;
-/// Paths of each mean of an audit: so many, squared, at most; in windows at least.
-constexpr int kLargestPathGrid = 64;
-constexpr int kLeastPathGrid = 2;
-/// Of an audit's rays, how many more look for hidden light; but at least so many.
-constexpr double kHiddenLightShare = 0.25;
-constexpr double kLeastHiddenLightRays = 256.0;
-/// Of an audit's rays, for pixels, where only windows decide.
-constexpr double kPixelsBesideWindows = 0.2;
-constexpr int kPixelsBesideWindowsAtLeast = 2;
+/// Of a render's steps, what all audits of a probe may cost where others tell as well, and where
+/// the others learn from it; of its rays, what tells of a render that none has told of.
+constexpr double kAudits = 0.09;
+constexpr double kTeachingAudits = 0.2;
+constexpr double kLeastTold = 0.02;
 
 /// Prices are lowered by this factor until a probe's prediction meets its goal.
 constexpr double kPriceStep = 0.9;
@@ -138,7 +129,7 @@ class Unit {
             if (everything && !harder) return;
             ++result_.looks;
             if (harder) {
-                audit_effort_ *= kHarderLook;
+                if (!learns(job_)) audit_effort_ *= kHarderLook;
                 continue;
             }
             if (finest || result_.looks > kPredictedLooks) {
@@ -152,16 +143,33 @@ class Unit {
     }
 
     void reveal_hidden_light(HybridCubemap& cubemap) {
-        const auto pixels = static_cast<double>(owned_pixel_count(probe_.face_size_px));
         take(cubemap.render());
-        const uint64_t key = random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec)});
-        const std::vector<double> found = hidden(pixels, key, result_.decision_cost);
+        const std::vector<double> found = light_to_reveal(audited_probe(), result_.decision_cost);
         if (!found.empty()) cubemap.reveal(found);
     }
 
     bool may_look_harder() const {
-        return audit_effort_ < kHardestLook &&
-               estimate_meets(job_.quality, result_.certificate.error);
+        if (!estimate_meets(job_.quality, result_.certificate.error)) return false;
+        return learns(job_) ? rays_left() >= kAuditShare * rays_of_render()
+                            : audit_effort_ < kHardestLook;
+    }
+
+    double rays_of_render() const { return static_cast<double>(render_.total().all_rays()); }
+
+    /// For the next audit. Where probes learn from each other all audits of one keep to a part of
+    /// its render's steps; but where none has told of what is left, the next one does.
+    double rays_left() const {
+        if (!learns(job_)) return std::numeric_limits<double>::infinity();
+        const CostStats render = render_.total();
+        const CostStats& known = audited_.all_rays() > 0 ? audited_ : render;
+        const double steps_per_ray =
+            static_cast<double>(known.steps) / static_cast<double>(known.all_rays());
+        const double part = params_.teaches ? kTeachingAudits : kAudits;
+        const double steps =
+            part * static_cast<double>(render.steps) - static_cast<double>(audited_.steps);
+        const bool told = std::any_of(audits_.begin(), audits_.end(),
+                                      [](const AuditedRatio& audit) { return audit.draws > 0; });
+        return std::max(steps / steps_per_ray, told ? 0.0 : kLeastTold * rays_of_render());
     }
 
     /// By how much the prediction has to fall for the bound to meet the target.
@@ -252,11 +260,11 @@ class Unit {
     }
 
     bool as_good_as_met() const {
-        return leaf_rays_only() &&
+        return audited_probe().leaf_rays_only() &&
                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
     }
     /// Where the mean of all probes may speak for a probe, it need not be sure itself.
-    bool may_be_pooled() const { return probes_to_learn_from(job_) > 0; }
+    bool may_be_pooled() const { return learns(job_); }
 
     bool may_look_again() const {
         return !params_.out_of_time && !render_.limited &&
@@ -291,17 +299,21 @@ class Unit {
 
     PathNoise path_noise() const { return {render_, as_written_, pilot_}; }
 
-    VolumeView paths_view() const {
-        return volume_view(
-            scene_, probe_,
-            random_key({job_.seed, static_cast<uint64_t>(StreamPurpose::kMediaRender),
-                        params_.probe, stream_of(pilot_.state.spec)}));
+    AuditedProbe audited_probe() const {
+        return {.scene = scene_,
+                .job = job_,
+                .pilot = pilot_,
+                .probe = params_.probe,
+                .render_scene = render_scene_,
+                .render = render_,
+                .as_written = as_written_,
+                .settings = result_.settings};
     }
 
     CubemapRender render() const {
         const std::optional<uint64_t> limit = ray_limit(job_, probe_);
         if (through_media()) {
-            return render_through_media(scene_, *pilot_.media->tracer, paths_view(),
+            return render_through_media(scene_, *pilot_.media->tracer, audited_probe().paths_view(),
                                         result_.settings, {limit, seconds_left()}, cancel_);
         }
         return render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
@@ -327,7 +339,13 @@ class Unit {
     /// Audits what there is on fresh pixels and judges it.
     void look() {
         result_.decision_cost += result_.certificate.cost;
-        result_.certificate = audit(static_cast<uint64_t>(result_.looks));
+        result_.certificate = audit_probe(audited_probe(),
+                                          {.number = result_.looks,
+                                           .effort = audit_effort_,
+                                           .most_rays = rays_left(),
+                                           .teaches = params_.teaches && result_.looks == 1},
+                                          cancel_);
+        audited_ += result_.certificate.cost;
         const double doubt = 1.0 - job_.quality.evidence.confidence;
         result_.confidence = 1.0 - std::ldexp(doubt, 1 - result_.looks);
         const std::vector<QualityTarget>& targets = job_.quality.targets;
@@ -343,6 +361,17 @@ class Unit {
         result_.evidence = result_.target_met && of_job ? EvidenceOf::kJob : EvidenceOf::kProbe;
     }
 
+    /// Few rays that all saw the same make some probes of a job much worse than predicted: what
+    /// the job tells of that does not hold where there are more in every pixel.
+    ErrorPrior prior_of(size_t t) const {
+        const ErrorPrior& of_job = pilot_.steering[t]->prior;
+        const bool many_rays = result_.settings.least_grid >= kFirstLeastGrid;
+        if (!many_rays || !is_of_squares(job_.quality.targets[t].metric)) return of_job;
+        ErrorPrior usual = kUsualPrior;
+        usual.ratio = std::min(usual.ratio, of_job.ratio);
+        return usual;
+    }
+
     /// Whose evidence says that a target is met; none where it is not.
     EvidenceOf look_at(size_t t) {
         const QualityTarget& target = job_.quality.targets[t];
@@ -355,7 +384,7 @@ class Unit {
         const bool own_meets = bound_meets(target, error, result_.confidence);
         if (!ratio) return own_meets ? EvidenceOf::kProbe : EvidenceOf::kNone;
         const double allowed = *largest_size(target);
-        const ErrorPrior& prior = pilot_.steering[t]->prior;
+        const ErrorPrior prior = prior_of(t);
         audits_[t] = with_further_audit(audits_[t], *ratio);
         const PooledError pooled =
             pooled_error(prior, audits_[t], job_.quality.evidence.confidence);
@@ -373,103 +402,6 @@ class Unit {
         return result_.pooled[t] && own.low <= allowed ? of_job : EvidenceOf::kNone;
     }
 
-    /// As many rays per side, or paths in all, as the audit asks for in each of two means.
-    TruthOf truth() const {
-        if (!through_media()) {
-            return voxel_truth(render_scene_, origin_, probe_.face_size_px, job_.quality.against);
-        }
-        return [this, view = paths_view()](const CubePixel& owner, int grid, uint64_t key,
-                                           CostStats& stats) {
-            return path_truth(*pilot_.media->tracer, view, owner, grid * grid, key, stats);
-        };
-    }
-
-    /// Rays per side of each mean where every pixel has the same.
-    int truth_grid() const {
-        return leaf_rays_only() ? irradiance_truth_grid(result_.settings.leaf_grid)
-                                : pilot_.truth_grid;
-    }
-
-    bool leaf_rays_only() const { return wants_leaf_rays_only(job_) && !through_media(); }
-
-    /// Through media `lost` is what the noise is expected to take from SSIM.
-    WindowDraws window_draws(double rays, std::optional<double> lost, uint64_t key) const {
-        if (!has_target(job_.quality, QualityTarget::Metric::kSsim)) return {};
-        const auto pixels = static_cast<double>(owned_pixel_count(probe_.face_size_px));
-        const double rays_per_pixel = static_cast<double>(render_.total().all_rays()) / pixels;
-        return ssim_windows({.rays_per_pixel = rays_per_pixel,
-                             .truth_grid = through_media() ? kLargestPathGrid : truth_grid(),
-                             .least_grid = through_media() ? kLeastPathGrid : 1,
-                             .pooled = may_be_pooled() && !pilot_.steering.empty() && lost != 0.0,
-                             .teaches = params_.teaches && result_.looks == 1,
-                             .key = key},
-                            rays);
-    }
-
-    Audit audit(uint64_t look) const {
-        const bool irradiance = has_target(job_.quality, QualityTarget::Metric::kIrradianceRel);
-        const int grid = truth_grid();
-        const bool windows_alone = only_target(job_.quality, QualityTarget::Metric::kSsim);
-        const bool teaches = params_.teaches && look == 1 && !windows_alone;
-        const double one_shot = teaches ? kTeachingShare : kAuditShare;
-        const double share = leaf_rays_only()             ? kLeafRaysShare
-                             : wants_leaf_rays_only(job_) ? kPathsShare * one_shot
-                                                          : one_shot;
-        const double rays = audit_effort_ * share * static_cast<double>(render_.total().all_rays());
-        const uint64_t key =
-            random_key({job_.seed, params_.probe, stream_of(pilot_.state.spec), look});
-        std::optional<double> ssim_lost;
-        if (through_media() && has_target(job_.quality, QualityTarget::Metric::kSsim)) {
-            ssim_lost = path_noise().ssim_lost();
-        }
-        const WindowDraws windows = window_draws(rays, ssim_lost, key);
-        CostStats search_cost;
-        const std::vector<double> hidden = this->hidden(rays, key, search_cost);
-        AuditSpec spec{
-            .truth = truth(),
-            .as_written = as_written_,
-            .aux = render_.aux,
-            .hidden = hidden,
-            .exposure = pilot_.exposure,
-            .largest_radiance = pilot_.largest_radiance,
-            .reference_rays = job_.quality.against == Against::kReference,
-            .largest_truth_grid = through_media() ? kLargestPathGrid : kTruthGrids.back(),
-            .weighting = job_.quality.weighting,
-            .pixels = job_.quality.evidence.pixels_per_probe,
-            .rays = windows_alone ? kPixelsBesideWindows * rays : rays,
-            .least_pixels = windows_alone ? kPixelsBesideWindowsAtLeast : least_pixels(job_),
-            .most_pixels = static_cast<int>(render_.aux.size()),
-            .windows = windows.count,
-            .window_grid = windows.grid,
-            .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
-            .sh = irradiance || job_.products.sh,
-            .ssim_lost = ssim_lost,
-            .drawn_for_sh = leaf_rays_only(),
-            .key = key};
-        if (irradiance && through_media()) {
-            spec.noise = path_noise().irradiance();
-        } else if (irradiance) {
-            spec.truth_grid = grid;
-            spec.pixels = irradiance_draws(job_.quality.evidence, grid, probe_.face_size_px, rays);
-        }
-        Audit audit = audit_cubemap(spec, cancel_);
-        audit.cost += search_cost;
-        return audit;
-    }
-
-    /// Paths through media meet emissive voxels and sky by themselves.
-    std::vector<double> hidden(double rays, uint64_t key, CostStats& cost) const {
-        if (through_media()) return {};
-        const double more = std::max(kLeastHiddenLightRays, kHiddenLightShare * rays);
-        return hidden_light({.scene = render_scene_,
-                             .emitters = pilot_.emitters.get(),
-                             .origin = origin_,
-                             .as_written = as_written_,
-                             .rays = static_cast<int>(more),
-                             .key = key},
-                            cost);
-    }
-
     const Scene& scene_;
     const JobSpec& job_;
     const Pilot& pilot_;
@@ -483,6 +415,7 @@ class Unit {
     double render_mse_;                 // what the pilot found for the settings of the render
     std::vector<AuditedRatio> audits_;  // all of this probe, one per target
     double audit_effort_ = 1.0;
+    CostStats audited_;  // in all looks
     ProbeResult result_;
 };
 

@@ -13,6 +13,9 @@ constexpr double kUsualProbes = 8.0;
 /// Standard deviation of the logarithm of the squared spread, over jobs.
 constexpr double kUsualSpreadSpread = 0.8;
 constexpr double kSmallestSpread = 0.1;
+/// Relative standard deviation of a pilot's ratio at least, whatever its pixels say: a sample of
+/// heavy tails shows too little of them.
+constexpr double kBestKnownBefore = 1.0 / 3.0;
 
 /// Of the doubt of an interval, what its quantiles may spend: a gamma distribution's tails are
 /// thinner than those of errors. Spending all of it covers 91.5 % where 95 % are meant
@@ -65,8 +68,13 @@ ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio>
             square(kUsualSpreadSpread) / (square(kUsualSpreadSpread) + square(own_error / own));
         between = std::exp(trust * std::log(own) + (1.0 - trust) * std::log(between));
     }
-    const double of_ratio = (between + of_audit) / count;
-    return {.ratio = ratio,
+    const double of_audits = (between + of_audit) / count;
+    // One of the audits may hold a pixel that is wrong as few are: what was known before counts,
+    // too.
+    const double known =
+        before.common > 0.0 ? 1.0 / square(std::max(before.common, kBestKnownBefore)) : 0.0;
+    const double of_ratio = 1.0 / (1.0 / of_audits + known);
+    return {.ratio = of_ratio * (ratio / of_audits + before.ratio * known),
             .spread = std::max(kSmallestSpread, std::sqrt(between + of_ratio)),
             .draw_cv = draw_cv,
             .common = std::sqrt(of_ratio)};

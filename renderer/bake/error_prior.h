@@ -39,6 +39,9 @@ struct ErrorPrior {
 /// How far probes of a job differ, by the scenes of docs/results/calibration.md, until the job's
 /// own audits tell.
 inline constexpr double kUsualSpread = 0.7;
+/// Where nothing tells: mean ratio, and relative standard deviation of an audited pixel, of squared
+/// errors on those scenes.
+inline constexpr ErrorPrior kUsualPrior = {.ratio = 0.65, .spread = kUsualSpread, .draw_cv = 10.0};
 
 /// An audit beside the renderer's prediction.
 struct AuditedRatio {

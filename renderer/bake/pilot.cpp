@@ -18,12 +18,7 @@ constexpr double kPilotShare = 0.5;
 /// probes whose error is less than predicted pays for further looks at the others
 /// (docs/results/calibration.md).
 constexpr double kFirstAim = 0.72;
-/// Relative standard deviation of an audited pixel where nothing is known: of squared errors on the
-/// scenes of docs/results/calibration.md.
-constexpr double kUsualDrawCv = 10.0;
 constexpr double kLargestSpread = 2.0;
-/// Actual over predicted mean squared error, mean over those scenes.
-constexpr double kUsualRatio = 0.65;
 
 /// Points of the curve before the chosen settings, and how far down the frontier beyond them: not
 /// at its end, where a pixel may cost hundreds of rays.
@@ -126,7 +121,7 @@ class Search {
             const bool windows = target.metric == QualityTarget::Metric::kSsim;
             const double draw_cv = windows ? size->standard_error() / size->value *
                                                  std::sqrt(static_cast<double>(size->samples))
-                                           : kUsualDrawCv;
+                                           : kUsualPrior.draw_cv;
             all.back() = steering_of(
                 target,
                 {.ratio = ratio->value,
@@ -148,14 +143,13 @@ class Search {
                                                 const QualityTarget& target) const {
         const std::optional<Estimate> size = error_size(target.metric, candidate.error);
         if (!size || !(candidate.predicted > 0.0)) return std::nullopt;
-        const bool of_squares = target.metric == QualityTarget::Metric::kPsnrDb ||
-                                target.metric == QualityTarget::Metric::kRmse;
+        const bool of_squares = is_of_squares(target.metric);
         if (!(size->value > 0.0) && !of_squares) return std::nullopt;
         const double measured = std::max(0.0, size->value) / candidate.predicted;
         const double error = size->standard_error() / candidate.predicted;
         const double own = measured > 0.0 ? measured * measured / (error * error) : 0.0;
         const double usual = of_squares ? 1.0 / (kUsualSpread * kUsualSpread) : 0.0;
-        return RatioEstimate{(usual * kUsualRatio + own * measured) / (usual + own),
+        return RatioEstimate{(usual * kUsualPrior.ratio + own * measured) / (usual + own),
                              1.0 / std::sqrt(usual + own)};
     }
 

@@ -64,7 +64,9 @@ class FileMaker {
         out.far_m = result_.far_m;
         out.valid = !result_.inside_voxel;
         if (probe_.place) add_place(*probe_.place, out);
-        if (result_.certificate.pixels > 0) add_errors(out);
+        if (const auto figures = error_figures(what_.job.quality, result_)) {
+            add_errors(*figures, out);
+        }
         return out;
     }
 
@@ -79,9 +81,8 @@ class FileMaker {
         if (place.moved) out.texts["probe:requestedPosition"] = attribute_text(place.requested_m);
     }
 
-    void add_errors(ProbeAttributes& out) const {
+    void add_errors(const ErrorFigures& figures, ProbeAttributes& out) const {
         const double confidence = what_.job.quality.evidence.confidence;
-        const ErrorFigures figures = error_figures(what_.job.quality, result_);
         out.texts["probe:err:evidence"] = name_of(result_.evidence);
         out.texts["probe:err:against"] = name_of(what_.job.quality.against);
         out.numbers["probe:err:exposure"] = what_.exposure;

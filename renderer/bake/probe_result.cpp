@@ -18,13 +18,12 @@ ErrorFigures figures_of(const PooledError& square) {
             .psnr_high_db = psnr_of(interval.low)};
 }
 
-ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result) {
+std::optional<ErrorFigures> error_figures(const QualitySpec& quality, const ProbeResult& result) {
     for (size_t t = 0; t < result.pooled.size(); ++t) {
-        const bool of_squares = quality.targets[t].metric == QualityTarget::Metric::kPsnrDb ||
-                                quality.targets[t].metric == QualityTarget::Metric::kRmse;
-        if (!of_squares || !result.pooled[t]) continue;
+        if (!is_of_squares(quality.targets[t].metric) || !result.pooled[t]) continue;
         return figures_of(*result.pooled[t]);
     }
+    if (result.certificate.pixels == 0) return std::nullopt;
     return figures_of(result.certificate.error.mse, result.confidence);
 }
 
@@ -32,6 +31,11 @@ CostStats ProbeResult::render_cost() const {
     CostStats total;
     for (const CostStats& face : faces) total += face;
     return total;
+}
+
+bool ProbeResult::audited() const {
+    return certificate.pixels > 0 || std::any_of(pooled.begin(), pooled.end(),
+                                                 [](const auto& told) { return told.has_value(); });
 }
 
 }  // namespace probebake

@@ -31,7 +31,7 @@ struct ProbeResult {
     bool limited = false;       // by a ray limit, or out of time
     int looks = 1;              // audits, the last of them of what is in the files
     CostStats earlier_renders;  // of what is not in them: replaced, not refined further
-    Audit certificate;          // of the last look; empty without audit
+    Audit certificate;          // of the last look; empty without audit, and where it was spared
     double confidence = 0.0;    // of its own intervals, two-sided; from the second look on above
                                 // the job's, which is what rows and files promise
     bool target_met = false;    // by its bound
@@ -50,10 +50,13 @@ struct ProbeResult {
     std::optional<DdgiTile> ddgi;  // where that is a product
 
     CostStats render_cost() const;
+    /// Whether anything is known of its error: by its own audit, or by those of others.
+    bool audited() const;
 };
 
 ErrorFigures figures_of(const PooledError& square);
 /// What is known of a probe's squared error: with the job's other audits where they were asked.
-ErrorFigures error_figures(const QualitySpec& quality, const ProbeResult& result);
+/// None where nothing is: no audit, or one that was spared and other metrics are the targets.
+std::optional<ErrorFigures> error_figures(const QualitySpec& quality, const ProbeResult& result);
 
 }  // namespace probebake

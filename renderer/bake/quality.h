@@ -79,6 +79,11 @@ ErrorFigures figures_of(const Estimate& mse, double confidence);
 /// The square of the largest error that meets a target of PSNR, RMSE or irradiance_rel.
 double largest_square(const QualityTarget& target);
 
+/// Whether a metric is another way to say the mean squared error.
+constexpr bool is_of_squares(QualityTarget::Metric metric) {
+    return metric == QualityTarget::Metric::kPsnrDb || metric == QualityTarget::Metric::kRmse;
+}
+
 /// Errors of all metrics as sizes that shrink as a render is refined: mean squared error (PSNR and
 /// RMSE), rel_mse, 1 − SSIM, irradiance_square; and the largest that meets a target. None where it
 /// was not measured, and of rays.

@@ -120,12 +120,15 @@ void tell(Json& json, QualityTarget::Metric metric, const PooledError& error) {
 /// What is known of a probe's error: its own audit's figures, and in their place, where there are
 /// any, those that the job's other audits took part in.
 Json write_probe_error(const JobSpec& job, const ProbeResult& result) {
-    Json own = write_error(result.certificate.error, result.confidence);
+    const bool spared = result.certificate.pixels == 0;
+    const Json own =
+        spared ? Json::object() : write_error(result.certificate.error, result.confidence);
     Json json = own;
     json["confidence"] = job.quality.evidence.confidence;
     for (size_t t = 0; t < result.pooled.size(); ++t) {
         if (!result.pooled[t]) continue;
         tell(json, job.quality.targets[t].metric, *result.pooled[t]);
+        if (spared) continue;
         json["own_audit"] = own;
         json["own_audit"]["confidence"] = result.confidence;
     }
@@ -291,13 +294,14 @@ Json write_state(const BakeRecord& record, const Pilot& pilot) {
     } else if (pilot.state.light) {
         json["lighting"] = write_lighting(*pilot.state.light);
     }
-    if (pooled.mse.samples > 0) {
-        json["error"] = write_error(pooled, confidence);
-        const auto known = state_errors(record, pilot);
-        for (size_t t = 0; t < known.size(); ++t) {
-            if (known[t]) tell(json["error"], record.job.quality.targets[t].metric, *known[t]);
-        }
-        json["error"]["evidence"] = name_of(EvidenceOf::kJob);
+    Json error = pooled.mse.samples > 0 ? write_error(pooled, confidence) : Json::object();
+    const auto known = state_errors(record, pilot);
+    for (size_t t = 0; t < known.size(); ++t) {
+        if (known[t]) tell(error, record.job.quality.targets[t].metric, *known[t]);
+    }
+    if (!error.empty()) {
+        error["evidence"] = name_of(EvidenceOf::kJob);
+        json["error"] = std::move(error);
     }
     return json;
 }
@@ -341,7 +345,7 @@ Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& resul
     if (only_target(job.quality, QualityTarget::Metric::kRays)) {
         return {Verdict::kTargetMet, EvidenceOf::kNone};
     }
-    if (result.certificate.pixels == 0) return {Verdict::kNotAudited, EvidenceOf::kNone};
+    if (!result.audited()) return {Verdict::kNotAudited, EvidenceOf::kNone};
     if (result.target_met) return {Verdict::kTargetMet, result.evidence};
     // What is not steered has no prior: the mean of all probes may tell.
     if (pilot.steering.empty() && estimate_meets(job.quality, result.certificate.error) &&
@@ -388,9 +392,7 @@ Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeRe
         face["pixels"] = result.pixels[f];
         json["faces"].push_back(std::move(face));
     }
-    if (result.certificate.pixels > 0) {
-        json["error"] = write_probe_error(record.job, result);
-    }
+    if (result.audited()) json["error"] = write_probe_error(record.job, result);
     if (probe.place) json["validity"] = write_place(*probe.place);
     json["files"] = write_files(result.files);
     return json;

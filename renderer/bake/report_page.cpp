@@ -18,6 +18,13 @@ constexpr double kLeft_px = 76.0;
 constexpr double kRight_px = 16.0;
 constexpr double kTop_px = 16.0;
 constexpr double kBottom_px = 52.0;
+/// As a state's summary names them.
+constexpr std::array<std::pair<const char*, const char*>, 5> kMetrics = {
+    {{"rmse", "RMSE"},
+     {"psnr_db", "PSNR in dB"},
+     {"ssim", "SSIM"},
+     {"rel_mse", "relative squared error"},
+     {"irradiance_rel", "relative error of irradiance"}}};
 
 std::string escaped(const std::string& text) {
     std::string out;
@@ -253,8 +260,14 @@ std::string state_section(const Json& state, const Json& target) {
     }
     if (state.contains("error")) {
         const Json& error = state.at("error");
-        html += "All probes: RMSE " + interval_text(error, "rmse") + ", PSNR " +
-                interval_text(error, "psnr_db") + " dB. ";
+        html += "All probes:";
+        const char* separator = " ";
+        for (const auto& [name, label] : kMetrics) {
+            if (!error.contains(name)) continue;
+            html += std::string(separator) + label + " " + interval_text(error, name);
+            separator = ", ";
+        }
+        html += ". ";
     }
     html += "Pilot " + number(100.0 * cost.at("pilot_steps_over_render").get<double>()) +
             " % and audits " + number(100.0 * cost.at("audit_steps_over_render").get<double>()) +

@@ -1,5 +1,7 @@
 #include "bake/state_error.h"
 
+#include <algorithm>
+
 namespace probebake {
 namespace {
 
@@ -13,11 +15,15 @@ std::optional<PooledError> own_error(QualityTarget::Metric metric, const ProbeRe
 }  // namespace
 
 MeasuredError pooled_error(const BakeRecord& record, const LightingState& state) {
-    const double weight = 1.0 / static_cast<double>(record.job.probes.size());
+    const auto audits_of_it = [&](const ProbeResult& result) {
+        return result.state.id == state.id && result.certificate.pixels > 0;
+    };
+    const double weight = 1.0 / static_cast<double>(std::count_if(
+                                    record.results.begin(), record.results.end(), audits_of_it));
     MeasuredError pooled;
     double windows = 0.0;  // probes that have any
     for (const ProbeResult& result : record.results) {
-        if (result.state.id != state.id) continue;
+        if (!audits_of_it(result)) continue;
         const MeasuredError& error = result.certificate.error;
         pooled.mse.add(weight, error.mse);
         if (error.irradiance_square) {
@@ -35,7 +41,7 @@ MeasuredError pooled_error(const BakeRecord& record, const LightingState& state)
     }
     for (const ProbeResult& result : record.results) {
         const std::optional<Estimate>& ssim = result.certificate.error.ssim;
-        if (!(result.state.id == state.id) || !ssim) continue;
+        if (!audits_of_it(result) || !ssim) continue;
         if (!pooled.ssim) pooled.ssim = Estimate{};
         pooled.ssim->add(1.0 / windows, *ssim);
     }

@@ -205,11 +205,15 @@ TEST_F(BakeProbeTest, EmissionIsASeparateState) {
 }
 
 TEST_F(BakeProbeTest, IrradianceDrawsGrowWithTheCubeAndWithWhatWasSpentOnIt) {
-    EXPECT_EQ(irradiance_draws({}, 4, 16, 0), 64);
-    EXPECT_EQ(irradiance_draws({}, 4, 64, 0), 245);
-    EXPECT_EQ(irradiance_draws({}, 4, 64, 32'000), 1000);  // 2 × 16 rays for each
-    EXPECT_EQ(irradiance_draws({}, 4, 64, 1e9), 24'576);
-    EXPECT_EQ(irradiance_draws({.pixels_per_probe = 999}, 4, 16, 0), 999);
+    JobSpec job;
+    EXPECT_EQ(irradiance_draws(job, 4, 16, 0), 64);
+    EXPECT_EQ(irradiance_draws(job, 4, 64, 0), 245);
+    EXPECT_EQ(irradiance_draws(job, 4, 64, 32'000), 1000);  // 2 × 16 rays for each
+    EXPECT_EQ(irradiance_draws(job, 4, 64, 1e9), 24'576);
+    job.probes.resize(100);
+    EXPECT_EQ(irradiance_draws(job, 4, 4, 0), 8);
+    job.quality.evidence.pixels_per_probe = 999;
+    EXPECT_EQ(irradiance_draws(job, 4, 16, 0), 999);
 }
 
 TEST(AuditSize, WindowsOfSsimCostWhatTheRenderDoes) {

@@ -121,6 +121,21 @@ TEST(ErrorPrior, NothingIsLearnedFromNothing) {
     EXPECT_EQ(learned_prior(before, black).ratio, 0.7);
 }
 
+// Fifteen audits agree with the pilot; one met a pixel that is wrong as few are.
+TEST(ErrorPrior, OneAuditDoesNotTurnWhatThePilotFound) {
+    const ErrorPrior before{.ratio = 0.8, .spread = 0.7, .draw_cv = 10.0, .common = 0.25};
+    std::vector<AuditedRatio> audits(
+        16, {.predicted = 1.0, .measured = 0.8, .variance = 0.5, .draws = 60});
+    audits.back().measured = 64.0;
+    audits.back().variance = 4'000.0;
+    const ErrorPrior prior = learned_prior(before, audits);
+    EXPECT_GT(prior.ratio, 0.8);
+    EXPECT_LT(prior.ratio, 2.4) << "half of the audits' mean, 4.75";
+    // All together do.
+    for (AuditedRatio& audit : audits) audit = {1.0, 4.75, 4.0, 60};
+    EXPECT_GT(learned_prior(before, audits).ratio, 2.4);
+}
+
 TEST(ErrorPrior, TheMeanOfProbesVariesByWhatTheyHaveInCommon) {
     // R of a probe = a common factor times one of its own; the mean of their posteriors covers.
     RandomStream random(5);

@@ -1,0 +1,116 @@
+// What audits cost in jobs whose probes learn from each other, and how probes are judged whose
+// audit was spared.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bake/bake_fixture.h"
+#include "bake/bake_probe.h"
+#include "bake/learn.h"
+#include "bake/report.h"
+
+namespace probebake {
+namespace {
+
+constexpr int kProbes = 100;
+
+class AuditShareTest : public testing::Test {
+  protected:
+    JobSpec job_of(int face_size_px, const Json& targets) const {
+        Json request = test::small_request(1, targets);
+        request["face_size_px"] = face_size_px;
+        request["probes"]["list"].clear();
+        for (int i = 0; i < kProbes; ++i) {
+            const Vec3 offset(0.7 * (i % 5), 0.6 * (i / 5 % 4), -0.8 * (i / 20));
+            const Vec3 p = scene_.to_metres(test::kSmallWorldProbe + offset);
+            request["probes"]["list"].push_back(
+                {{"id", "p" + std::to_string(i)}, {"position_m", {p.x, p.y, p.z}}});
+        }
+        return read_job(request);
+    }
+
+    struct Baked {
+        JobSpec job;
+        Plan plan;
+        std::vector<Pilot> pilots;
+        std::vector<ProbeResult> results;
+    };
+
+    Baked bake(const JobSpec& job) const {
+        const CancelToken cancel;
+        Baked baked{.job = job, .plan = make_plan(scene_, job), .pilots = {}, .results = {}};
+        baked.pilots.push_back(run_pilot(scene_, job, baked.plan, LightingState::kAlbedo, cancel));
+        Pilot& pilot = baked.pilots.front();
+        const size_t first = probes_to_learn_from(job);
+        for (size_t i = 0; i < job.probes.size(); ++i) {
+            if (i == first) learn(pilot, job.quality, baked.results);
+            baked.results.push_back(
+                bake_probe(scene_, job, pilot, {.probe = i, .teaches = i < first}, cancel));
+        }
+        return baked;
+    }
+
+    static double share_of_audits(const Baked& baked) {
+        CostStats render;
+        CostStats audit;
+        for (const ProbeResult& result : baked.results) {
+            render += result.render_cost();
+            audit += result.decision_cost;
+            audit += result.certificate.cost;
+        }
+        return static_cast<double>(audit.steps) / static_cast<double>(render.steps);
+    }
+
+    const Scene scene_ = test::small_scene();
+};
+
+TEST_F(AuditShareTest, IsBelowFifteenHundredthsWhateverIsAskedFor) {
+    // 45 dB are beyond most of the probes, 70 beyond all.
+    const std::vector<Json> of_16 = {{{"psnr_db", 30}},   {{"psnr_db", 45}},
+                                     {{"psnr_db", 70}},   {{"psnr_db", 32}, {"ssim", 0.9}},
+                                     {{"rel_mse", 0.02}}, {{"irradiance_rel", 0.03}},
+                                     {{"ssim", 0.9}}};
+    const std::vector<Json> of_8 = {
+        {{"psnr_db", 32}}, {{"rel_mse", 0.02}}, {{"irradiance_rel", 0.03}}};
+    std::vector<std::pair<int, Json>> kinds;
+    for (const Json& targets : of_16) kinds.emplace_back(16, targets);
+    for (const Json& targets : of_8) kinds.emplace_back(8, targets);
+    for (const auto& [face_size_px, targets] : kinds) {
+        const Baked baked = bake(job_of(face_size_px, targets));
+        const auto met = std::count_if(baked.results.begin(), baked.results.end(),
+                                       [](const ProbeResult& r) { return r.target_met; });
+        const double share = share_of_audits(baked);
+        std::printf("%2d² %s: %.3f, %d of %d met\n", face_size_px, targets.dump().c_str(), share,
+                    static_cast<int>(met), kProbes);
+        EXPECT_LT(share, 0.15) << face_size_px << " px " << targets;
+        EXPECT_GT(share, 0.01) << face_size_px << " px " << targets;
+    }
+}
+
+TEST_F(AuditShareTest, ProbesWhoseAuditIsSparedAreJudgedByTheOthers) {
+    const Baked baked = bake(job_of(4, {{"psnr_db", 30}}));
+    const BakeRecord record{.scene = scene_,
+                            .job = baked.job,
+                            .plan = baked.plan,
+                            .pilots = baked.pilots,
+                            .results = baked.results};
+    int spared = 0;
+    for (const ProbeResult& result : baked.results) {
+        EXPECT_TRUE(result.audited());
+        if (result.certificate.pixels > 0) continue;
+        ++spared;
+        EXPECT_NE(result.evidence, EvidenceOf::kProbe);
+        const Json row = write_probe_row(record, baked.pilots[0], result, {});
+        EXPECT_NE(row["result"], "not_audited");
+        EXPECT_GT(row["error"]["psnr_db"].get<double>(), 20.0);
+        EXPECT_FALSE(row["error"].contains("own_audit"));
+        EXPECT_TRUE(error_figures(baked.job.quality, result).has_value());
+    }
+    EXPECT_GT(spared, kProbes / 4);
+    EXPECT_LT(spared, kProbes) << "else nothing is known of any";
+    const Json state = write_report(record)["states"][0];
+    EXPECT_GT(state["error"]["psnr_db"].get<double>(), 20.0);
+}
+
+}  // namespace
+}  // namespace probebake

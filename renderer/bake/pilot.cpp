@@ -105,10 +105,11 @@ class Search {
     }
 
   private:
-    /// Whether probes are refined until their own predictions say so.
+    /// Whether probes are refined until their own predictions say so; also where the few pixels of
+    /// the sample, one of which may be wrong as few are, say that they cannot be.
     bool steers(const Pilot& pilot) const {
-        return pilot.expectation == Expectation::kTargetMet && !ray_target() && !job_.budget.rays &&
-               pilot.settings.price > 0.0;
+        return pilot.expectation != Expectation::kBudgetExhausted && !ray_target() &&
+               !job_.budget.rays && pilot.settings.price > 0.0;
     }
 
     std::vector<std::optional<Steering>> steering(const Candidate& chosen) const {
@@ -173,7 +174,7 @@ class Search {
     }
 
     /// Prices in steps of two. Their errors are guessed: at half the price the squared error is
-    /// 0.58 to 0.85 of what it was, 0.70 on average (docs/decisions.md).
+    /// 0.58 to 0.85 of what it was, 0.70 on average (docs/decisions.md). Then rays in every pixel.
     static std::vector<FinerSettings> lower_prices(double price, double mse) {
         constexpr int kCount = 24;
         std::vector<FinerSettings> finer;
@@ -181,6 +182,12 @@ class Search {
             price *= 0.5;
             mse *= 0.7;
             finer.push_back({hybrid_at(price), mse});
+        }
+        // What they do not reach: all first rays of a neighbourhood saw the same.
+        for (const int least_grid : {4, 8, 16}) {
+            RenderSettings settings = hybrid_at(0.0);
+            settings.least_grid = least_grid;
+            finer.push_back({settings, 0.0});
         }
         return finer;
     }

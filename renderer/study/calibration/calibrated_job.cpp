@@ -145,14 +145,16 @@ Json row_of(const ProbeResult& result, const ProbeTruth& truth, const PricedProb
                 {"by_probe", result.evidence == EvidenceOf::kProbe},
                 {"looks", result.looks},
                 {"mse", truth.mse(written)},
-                {"estimate", audit.error.mse.value},
-                {"interval", interval_json(audit.error.mse.interval(result.confidence))},
                 {"predicted", audit.predicted},
                 {"pixels", audit.pixels},
                 {"render_steps", result.render_cost().steps},
                 {"replaced_steps", result.earlier_renders.steps},
                 {"audit_steps", audit.cost.steps + result.decision_cost.steps},
                 {"cheapest_steps", priced.cheapest(allowed)}};
+    if (audit.pixels > 0) {
+        row["estimate"] = audit.error.mse.value;
+        row["interval"] = interval_json(audit.error.mse.interval(result.confidence));
+    }
     // As the report says it: where a probe's own audit alone counts, that is its own.
     const bool pooled = !result.pooled.empty() && result.pooled.front();
     row["pooled_estimate"] = pooled ? Json(result.pooled.front()->value) : row["estimate"];

@@ -71,7 +71,7 @@ class Group {
                 {"pooled_interval_covers", pooled_.json()},
                 {"own_interval_high_over_low", median(own_widths_)},
                 {"pooled_interval_high_over_low", median(pooled_widths_)},
-                {"mean_estimate_over_truth", estimate_ / truth_},
+                {"mean_estimate_over_truth", estimate_ / own_truth_},
                 {"mean_pooled_estimate_over_truth", pooled_estimate_ / truth_},
                 {"looks", looks_ / static_cast<double>(results_.count)},
                 {"audit_over_render", audit_ / render_},
@@ -97,10 +97,13 @@ class Group {
             by_probe_ += row["by_probe"].get<bool>() ? 1 : 0;
             met_where_said_.add(meets);
         }
-        own_.add(inside(row["interval"], mse));
-        own_widths_.push_back(width(row["interval"]));
         truth_ += mse / allowed;
-        estimate_ += row["estimate"].get<double>() / allowed;
+        if (row.contains("interval")) {
+            own_.add(inside(row["interval"], mse));
+            own_widths_.push_back(width(row["interval"]));
+            own_truth_ += mse / allowed;
+            estimate_ += row["estimate"].get<double>() / allowed;
+        }
         if (row.contains("pooled_interval")) {
             pooled_.add(inside(row["pooled_interval"], mse));
             pooled_widths_.push_back(width(row["pooled_interval"]));
@@ -122,6 +125,7 @@ class Group {
     std::vector<double> own_widths_;
     std::vector<double> pooled_widths_;
     double truth_ = 0.0;
+    double own_truth_ = 0.0;  // where it was audited itself
     double estimate_ = 0.0;
     double pooled_estimate_ = 0.0;
     double looks_ = 0.0;

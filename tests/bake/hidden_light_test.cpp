@@ -152,7 +152,8 @@ TEST(HiddenLight, ATinyLampIsNoProvenDarkness) {
             brightest = std::max(brightest, double{value.r});
         const bool right = std::abs(brightest - 180.0) < 60.0;
         EXPECT_TRUE(right || !result.target_met) << seed << ": " << brightest;
-        EXPECT_GT(error_figures(job.quality, result)->rmse_interval.high, right ? 0.0 : 1.0) << seed;
+        EXPECT_GT(error_figures(job.quality, result)->rmse_interval.high, right ? 0.0 : 1.0)
+            << seed;
     }
 }
 

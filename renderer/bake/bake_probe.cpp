@@ -163,7 +163,7 @@ class Unit {
         const CostStats render = render_.total();
         const CostStats& known = audited_.all_rays() > 0 ? audited_ : render;
         const double steps_per_ray =
-            static_cast<double>(known.steps) / static_cast<double>(known.all_rays());
+            std::max(1.0, static_cast<double>(known.steps) / static_cast<double>(known.all_rays()));
         const double part = params_.teaches ? kTeachingAudits : kAudits;
         const double steps =
             part * static_cast<double>(render.steps) - static_cast<double>(audited_.steps);

@@ -111,5 +111,19 @@ TEST_F(AuditShareTest, ProbesWhoseAuditIsSparedAreJudgedByTheOthers) {
     EXPECT_GT(state["error"]["psnr_db"].get<double>(), 20.0);
 }
 
+// No ray takes a step: shares of nothing are no numbers.
+TEST_F(AuditShareTest, ProbesThatSeeNothingAreAudited) {
+    JobSpec job = job_of(4, {{"psnr_db", 30}});
+    for (ProbeSpec& probe : job.probes) {
+        probe.position_m += Vec3(1e4);
+        probe.far_m = 1.0;
+    }
+    for (const ProbeResult& result : bake(job).results) {
+        EXPECT_EQ(result.render_cost().steps, 0u);
+        EXPECT_GT(result.certificate.pixels, 0u);
+        EXPECT_TRUE(result.certificate.error.mse.nothing_found());
+    }
+}
+
 }  // namespace
 }  // namespace probebake

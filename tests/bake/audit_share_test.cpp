@@ -21,7 +21,9 @@ class AuditShareTest : public testing::Test {
         request["face_size_px"] = face_size_px;
         request["probes"]["list"].clear();
         for (int i = 0; i < kProbes; ++i) {
-            const Vec3 offset(0.7 * (i % 5), 0.6 * (i / 5 % 4), -0.8 * (i / 20));
+            const int level = i / 5 % 4;
+            const int row = i / 20;
+            const Vec3 offset(0.7 * (i % 5), 0.6 * level, -0.8 * row);
             const Vec3 p = scene_.to_metres(test::kSmallWorldProbe + offset);
             request["probes"]["list"].push_back(
                 {{"id", "p" + std::to_string(i)}, {"position_m", {p.x, p.y, p.z}}});
@@ -66,14 +68,12 @@ class AuditShareTest : public testing::Test {
 
 TEST_F(AuditShareTest, IsBelowFifteenHundredthsWhateverIsAskedFor) {
     // 45 dB are beyond most of the probes.
-    const std::vector<Json> of_16 = {{{"psnr_db", 30}},   {{"psnr_db", 45}},
-                                     {{"rel_mse", 0.02}}, {{"psnr_db", 32}, {"ssim", 0.9}},
-                                     {{"ssim", 0.9}},     {{"irradiance_rel", 0.03}}};
-    const std::vector<Json> of_8 = {
-        {{"psnr_db", 32}}, {{"rel_mse", 0.02}}, {{"irradiance_rel", 0.03}}};
-    std::vector<std::pair<int, Json>> kinds;
-    for (const Json& targets : of_16) kinds.emplace_back(16, targets);
-    for (const Json& targets : of_8) kinds.emplace_back(8, targets);
+    const std::vector<std::pair<int, Json>> kinds = {
+        {16, {{"psnr_db", 30}}},        {16, {{"psnr_db", 45}}},
+        {16, {{"rel_mse", 0.02}}},      {16, {{"psnr_db", 32}, {"ssim", 0.9}}},
+        {16, {{"ssim", 0.9}}},          {16, {{"irradiance_rel", 0.03}}},
+        {8, {{"psnr_db", 32}}},         {8, {{"rel_mse", 0.02}}},
+        {8, {{"irradiance_rel", 0.03}}}};
     for (const auto& [face_size_px, targets] : kinds) {
         const Baked baked = bake(job_of(face_size_px, targets));
         const auto met = std::count_if(baked.results.begin(), baked.results.end(),

@@ -57,6 +57,10 @@ void add_calibration_command(CLI::App& study_app, CommandWork& work) {
         ->delimiter(',')
         ->check(CLI::IsMember({16, 32, 64}));
     command
+        ->add_option("--probes-per-job", options->study.probes_per_job,
+                     "Jobs of so many probes instead of one per scene, face size and light")
+        ->check(CLI::PositiveNumber);
+    command
         ->add_option("--size", options->study.size,
                      "Side of the generated worlds, a power of two from 128 to 2048")
         ->capture_default_str();

@@ -33,6 +33,32 @@ TEST(CalibrationSlow, PromisesAreKeptOnSmallWorlds) {
 
 // A study that could not fail would show nothing: where promised bounds are not kept, the test of
 // the shares says so.
+TEST(CalibrationSlow, ProbesMayBeJobsOfTheirOwn) {
+    const auto run = [](const char* folder, std::optional<int> probes_per_job) {
+        const auto out = std::filesystem::path(testing::TempDir()) / folder;
+        std::filesystem::remove_all(out);
+        const CalibrationOutcome outcome = run_calibration({.out = out,
+                                                            .size = 128,
+                                                            .share = 0.06,
+                                                            .scenes = {"desert"},
+                                                            .faces = {16},
+                                                            .probes_per_job = probes_per_job},
+                                                           [](const StudyProgress&) {});
+        std::filesystem::remove_all(out);
+        return outcome.results.at("desert-16-albedo");
+    };
+    const Json together = run("probebake-calibration-together", std::nullopt);
+    const Json alone = run("probebake-calibration-alone", 1);
+    ASSERT_EQ(together["rows"].size(), 6u);
+    ASSERT_EQ(alone["rows"].size(), 6u);
+    // Every job has a pilot of its own, and none learns from another.
+    EXPECT_GT(alone["pilot_steps"].get<double>(), 3.0 * together["pilot_steps"].get<double>());
+    // The cheapest price of one probe is that probe's.
+    double cheapest = 0.0;
+    for (const Json& row : alone["rows"]) cheapest += row["cheapest_steps"].get<double>();
+    EXPECT_DOUBLE_EQ(alone["one_price_steps"].get<double>(), cheapest);
+}
+
 TEST(CalibrationSlow, ABrokenPromiseIsSeen) {
     EXPECT_LT(binomial_tail(1870, 2000, 0.95), 0.01);  // 93.5 %
     EXPECT_GT(binomial_tail(1880, 2000, 0.95), 0.01);  // 94.0 %

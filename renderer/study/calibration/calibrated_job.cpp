@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "bake/bake_probe.h"
 #include "bake/learn.h"
@@ -25,10 +26,10 @@ constexpr int kOctaves = 40;
 constexpr double kFarBelow = 0.4;
 constexpr double kShareThatMeets = 0.95;
 
-JobSpec job_of(const Scene& scene, const CalibratedJob& what) {
+JobSpec job_of(std::span<const Vec3> places, const CalibratedJob& what) {
     Json request = {{"scene", "calibrated"}, {"face_size_px", what.face_size_px}};
     int i = 0;
-    for (const Vec3& p : suggest_probes(scene, what.probes, kProbeSeed)) {
+    for (const Vec3& p : places) {
         request["probes"]["list"].push_back(
             {{"id", "p" + std::to_string(i++)}, {"position_m", {p.x, p.y, p.z}}});
     }
@@ -163,13 +164,10 @@ Json row_of(const ProbeResult& result, const ProbeTruth& truth, const PricedProb
     return row;
 }
 
-}  // namespace
-
-Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
+Json calibrate_job(const Scene& scene, const CalibratedJob& what, const JobSpec& job,
+                   const ReadyState& state) {
     const CancelToken cancel;
-    const JobSpec job = job_of(scene, what);
     const Plan plan = make_plan(scene, job);
-    const ReadyState state = light_state(scene, job, 0, cancel);
     Pilot pilot = run_pilot(scene, job, plan, state, cancel);
     const double allowed = largest_square(job.quality.targets.front());
     const size_t count = job.probes.size();
@@ -219,6 +217,30 @@ Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
             {"one_price_steps", cheapest_single_price(priced, most_meet)},
             {"one_price_for_the_mean_steps", cheapest_single_price(priced, mean_meets)},
             {"rows", rows}};
+}
+
+}  // namespace
+
+Json calibrate_job(const Scene& scene, const CalibratedJob& what) {
+    const std::vector<Vec3> places = suggest_probes(scene, what.probes, kProbeSeed);
+    const ReadyState state = light_state(scene, job_of(places, what), 0, CancelToken());
+    const auto per_job = static_cast<size_t>(what.probes_per_job.value_or(what.probes));
+    Json all;
+    for (size_t begin = 0; begin < places.size(); begin += per_job) {
+        const size_t count = std::min(per_job, places.size() - begin);
+        const JobSpec job = job_of(std::span(places).subspan(begin, count), what);
+        Json one = calibrate_job(scene, what, job, state);
+        if (all.is_null()) {
+            all = std::move(one);
+            continue;
+        }
+        for (const char* steps :
+             {"pilot_steps", "one_price_steps", "one_price_for_the_mean_steps"}) {
+            all[steps] = all[steps].get<double>() + one[steps].get<double>();
+        }
+        for (Json& row : one["rows"]) all["rows"].push_back(std::move(row));
+    }
+    return all;
 }
 
 }  // namespace probebake::study

@@ -84,16 +84,18 @@ class CalibrationRun {
                 const int probes = static_cast<int>(std::ceil(params_.share * jobs.probes));
                 const CalibratedJob job{.face_size_px = jobs.face_size_px,
                                         .probes = probes,
+                                        .probes_per_job = params_.probes_per_job,
                                         .lit = lit,
                                         .psnr_db = lit ? jobs.lit_psnr_db : jobs.psnr_db};
                 const std::string name = scene.name + "-" + std::to_string(jobs.face_size_px) +
                                          (lit ? "-lit" : "-albedo");
                 on_progress_({name, outcome_.computed + outcome_.found, total_});
-                const Json key = {{"version", kCalibrationVersion},
-                                  {"scene", content_sha256(scene.file)},
-                                  {"size", params_.size},
-                                  {"probes", probes},
-                                  {"psnr_db", job.psnr_db}};
+                Json key = {{"version", kCalibrationVersion},
+                            {"scene", content_sha256(scene.file)},
+                            {"size", params_.size},
+                            {"probes", probes},
+                            {"psnr_db", job.psnr_db}};
+                if (params_.probes_per_job) key["probes_per_job"] = *params_.probes_per_job;
                 std::optional<Json> result = store_.find(name, key);
                 if (result) {
                     ++outcome_.found;

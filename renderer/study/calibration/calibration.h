@@ -25,6 +25,7 @@ struct CalibrationParams {
     double share = 1.0;               // of the probes of a full run
     std::vector<std::string> scenes;  // names; empty: all
     std::vector<int> faces;           // face sizes of 16, 32, 64; empty: all
+    std::optional<int> probes_per_job;
     std::optional<std::filesystem::path> data_folder;
     std::optional<std::filesystem::path> cache_folder;
 };

@@ -77,13 +77,7 @@ class Unit {
         result_.limited = render_.limited || params_.out_of_time;
         result_.faces = render_.faces;
         result_.pixels = render_.pixels;
-        make_files({.scene = scene_,
-                    .job = job_,
-                    .state = pilot_.state,
-                    .exposure = pilot_.exposure,
-                    .render = render_,
-                    .as_written = as_written_},
-                   result_);
+        make_files(rendered(), result_);
         result_.wall_seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return std::move(result_);
@@ -144,7 +138,7 @@ class Unit {
 
     void reveal_hidden_light(HybridCubemap& cubemap) {
         take(cubemap.render());
-        const std::vector<double> found = light_to_reveal(audited_probe(), result_.decision_cost);
+        const std::vector<double> found = light_to_reveal(rendered(), result_.decision_cost);
         if (!found.empty()) cubemap.reveal(found);
     }
 
@@ -260,7 +254,7 @@ class Unit {
     }
 
     bool as_good_as_met() const {
-        return audited_probe().leaf_rays_only() &&
+        return rendered().leaf_rays_only() &&
                bound_meets(job_.quality, result_.certificate.error, kLeafRaysConfidence);
     }
     /// Where the mean of all probes may speak for a probe, it need not be sure itself.
@@ -299,7 +293,7 @@ class Unit {
 
     PathNoise path_noise() const { return {render_, as_written_, pilot_}; }
 
-    AuditedProbe audited_probe() const {
+    RenderedProbe rendered() const {
         return {.scene = scene_,
                 .job = job_,
                 .pilot = pilot_,
@@ -313,7 +307,7 @@ class Unit {
     CubemapRender render() const {
         const std::optional<uint64_t> limit = ray_limit(job_, probe_);
         if (through_media()) {
-            return render_through_media(scene_, *pilot_.media->tracer, audited_probe().paths_view(),
+            return render_through_media(scene_, *pilot_.media->tracer, rendered().paths_view(),
                                         result_.settings, {limit, seconds_left()}, cancel_);
         }
         return render_cubemap(render_scene_, origin_, probe_.face_size_px, result_.settings,
@@ -339,7 +333,7 @@ class Unit {
     /// Audits what there is on fresh pixels and judges it.
     void look() {
         result_.decision_cost += result_.certificate.cost;
-        result_.certificate = audit_probe(audited_probe(),
+        result_.certificate = audit_probe(rendered(),
                                           {.number = result_.looks,
                                            .effort = audit_effort_,
                                            .most_rays = rays_left(),

@@ -30,7 +30,7 @@ constexpr double kPixelsBesideWindows = 0.2;
 constexpr int kPixelsBesideWindowsAtLeast = 2;
 
 /// Paths through media meet emissive voxels and sky by themselves.
-std::vector<double> light_hidden(const AuditedProbe& probe, double rays, uint64_t key,
+std::vector<double> light_hidden(const RenderedProbe& probe, double rays, uint64_t key,
                                  CostStats& cost) {
     if (probe.through_media()) return {};
     const double least = probe.pooled() ? 0.0 : kLeastHiddenLightRays;
@@ -45,7 +45,7 @@ std::vector<double> light_hidden(const AuditedProbe& probe, double rays, uint64_
 
 class ProbeAudit {
   public:
-    ProbeAudit(const AuditedProbe& probe, const Look& look)
+    ProbeAudit(const RenderedProbe& probe, const Look& look)
         : probe_(probe),
           job_(probe.job),
           look_(look),
@@ -145,7 +145,7 @@ class ProbeAudit {
             windows_alone() ? rays_ : (1.0 - kPixelsAndWindows) * rays_);
     }
 
-    const AuditedProbe& probe_;
+    const RenderedProbe& probe_;
     const JobSpec& job_;
     Look look_;
     double rays_;
@@ -154,24 +154,11 @@ class ProbeAudit {
 
 }  // namespace
 
-bool AuditedProbe::pooled() const {
-    const auto& steering = pilot.steering;
-    return learns(job) && !steering.empty() &&
-           std::all_of(steering.begin(), steering.end(),
-                       [](const auto& target) { return target.has_value(); });
-}
-
-VolumeView AuditedProbe::paths_view() const {
-    return volume_view(scene, spec(),
-                       random_key({job.seed, static_cast<uint64_t>(StreamPurpose::kMediaRender),
-                                   probe, stream_of(pilot.state.spec)}));
-}
-
-Audit audit_probe(const AuditedProbe& probe, const Look& look, const CancelToken& cancel) {
+Audit audit_probe(const RenderedProbe& probe, const Look& look, const CancelToken& cancel) {
     return ProbeAudit(probe, look).run(cancel);
 }
 
-std::vector<double> light_to_reveal(const AuditedProbe& probe, CostStats& cost) {
+std::vector<double> light_to_reveal(const RenderedProbe& probe, CostStats& cost) {
     const auto pixels = static_cast<double>(owned_pixel_count(probe.spec().face_size_px));
     const uint64_t key =
         random_key({probe.job.seed, probe.probe, stream_of(probe.pilot.state.spec)});

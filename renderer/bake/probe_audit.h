@@ -8,30 +8,9 @@
 #include <limits>
 
 #include "bake/audit.h"
-#include "bake/pilot.h"
-#include "scatter/volume_cubemap.h"
+#include "bake/rendered_probe.h"
 
 namespace probebake {
-
-/// Of one probe. All that is referred to outlives it.
-struct AuditedProbe {
-    const Scene& scene;
-    const JobSpec& job;
-    const Pilot& pilot;
-    size_t probe = 0;  // index into JobSpec::probes
-    const RenderScene& render_scene;
-    const CubemapRender& render;
-    const Cubemap& as_written;
-    const RenderSettings& settings;
-
-    const ProbeSpec& spec() const { return job.probes[probe]; }
-    bool through_media() const { return pilot.media != nullptr; }
-    bool leaf_rays_only() const { return wants_leaf_rays_only(job) && !through_media(); }
-    /// Whether the audits of other probes tell of every target of this one, too.
-    bool pooled() const;
-    /// Of the paths that render it.
-    VolumeView paths_view() const;
-};
 
 /// Of a render's rays, what a usual audit of it casts.
 inline constexpr double kAuditShare = 0.05;
@@ -44,10 +23,10 @@ struct Look {
 };
 
 /// Runs on the calling arena. Throws Cancelled.
-Audit audit_probe(const AuditedProbe& probe, const Look& look, const CancelToken& cancel);
+Audit audit_probe(const RenderedProbe& probe, const Look& look, const CancelToken& cancel);
 
 /// Light that few rays of `render` tell of (hidden_light.h), before any audit; empty where there
 /// can be none.
-std::vector<double> light_to_reveal(const AuditedProbe& probe, CostStats& cost);
+std::vector<double> light_to_reveal(const RenderedProbe& probe, CostStats& cost);
 
 }  // namespace probebake

@@ -57,7 +57,7 @@ class FileMaker {
     }
 
     ProbeAttributes attributes() const {
-        ProbeAttributes out = state_attributes(what_.scene, what_.job, what_.state);
+        ProbeAttributes out = state_attributes(what_.scene, what_.job, what_.pilot.state);
         out.id = probe_.id;
         out.position_m = probe_.position_m;
         out.near_m = probe_.near_m;
@@ -85,7 +85,7 @@ class FileMaker {
         const double confidence = what_.job.quality.evidence.confidence;
         out.texts["probe:err:evidence"] = name_of(result_.evidence);
         out.texts["probe:err:against"] = name_of(what_.job.quality.against);
-        out.numbers["probe:err:exposure"] = what_.exposure;
+        out.numbers["probe:err:exposure"] = what_.pilot.exposure;
         out.numbers["probe:err:confidence"] = confidence;
         out.numbers["probe:err:pixels"] = static_cast<double>(result_.certificate.pixels);
         out.numbers["probe:err:rmse"] = figures.rmse;

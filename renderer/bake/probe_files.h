@@ -2,19 +2,9 @@
 #pragma once
 
 #include "bake/probe_result.h"
-#include "bake/state_light.h"
-#include "scene/scene.h"
+#include "bake/rendered_probe.h"
 
 namespace probebake {
-
-struct RenderedProbe {
-    const Scene& scene;
-    const JobSpec& job;
-    const ReadyState& state;
-    double exposure = 1.0;
-    const CubemapRender& render;
-    const Cubemap& as_written;  // rounded as the files round
-};
 
 /// Adds files, is_float and the tile of a grid's atlases to the result of an audited probe.
 void make_files(const RenderedProbe& what, ProbeResult& result);

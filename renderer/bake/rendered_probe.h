@@ -1,0 +1,31 @@
+// A probe in one lighting state as it is rendered now: what is audited and written into files.
+#pragma once
+
+#include "bake/pilot.h"
+#include "image/cubemap.h"
+#include "render/render.h"
+#include "scatter/volume_cubemap.h"
+
+namespace probebake {
+
+/// All that is referred to outlives it.
+struct RenderedProbe {
+    const Scene& scene;
+    const JobSpec& job;
+    const Pilot& pilot;
+    size_t probe = 0;  // index into JobSpec::probes
+    const RenderScene& render_scene;
+    const CubemapRender& render;
+    const Cubemap& as_written;  // rounded as the files round
+    const RenderSettings& settings;
+
+    const ProbeSpec& spec() const { return job.probes[probe]; }
+    bool through_media() const { return pilot.media != nullptr; }
+    bool leaf_rays_only() const { return wants_leaf_rays_only(job) && !through_media(); }
+    /// Whether the audits of other probes tell of every target of this one, too.
+    bool pooled() const;
+    /// Of the paths that render it.
+    VolumeView paths_view() const;
+};
+
+}  // namespace probebake

@@ -106,7 +106,7 @@ int number_of_draws(const AuditSpec& spec, const std::vector<double>& probabilit
     }
     const double paid_for =
         std::min(spec.rays / rays_per_draw, static_cast<double>(spec.most_pixels));
-    if (spec.spared && paid_for < spec.least_pixels) return in_pairs(paid_for, spec.key);
+    if (spec.may_be_spared && paid_for < spec.least_pixels) return in_pairs(paid_for, spec.key);
     return static_cast<int>(std::clamp(paid_for, static_cast<double>(spec.least_pixels),
                                        static_cast<double>(spec.most_pixels)));
 }

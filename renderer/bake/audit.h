@@ -71,7 +71,7 @@ struct AuditSpec {
     int most_pixels = 0;
     /// Whether others of the job tell as well: where the rays do not pay for `least_pixels`, as
     /// many as they pay for on average, in pairs; none at all where that is less.
-    bool spared = false;
+    bool may_be_spared = false;
     int windows = 0;                        // of SSIM
     int window_grid = kTruthGrids.front();  // rays per side of r1 and r2 in them
     bool rel_mse = false;

@@ -53,7 +53,9 @@ struct AuditedRatio {
     double chance = 0.0;
 };
 
-/// The prior that the audits of a job's first probes make of the one that its pilot made.
+/// The prior that the audits of a job's first probes make of the one that its pilot made: ratios
+/// count by their precision, the pilot's by `common` (0: it knew none, and does not count). Fewer
+/// than two audits, or none that found anything, leave `before` as it is.
 ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio> audits);
 
 /// `all` and a further audit of the same probe, as of what is predicted now.

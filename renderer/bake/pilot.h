@@ -39,11 +39,6 @@ inline constexpr double kNextAim = 0.97;
 
 Steering steering_of(const QualityTarget& target, const ErrorPrior& prior);
 
-struct Pilot;
-/// The prediction at which every target that has to be met is expected to be; none where no probe
-/// is steered.
-std::optional<double> first_goal(const Pilot& pilot, Require require);
-
 struct FinerSettings {
     RenderSettings settings;
     double mse = 0.0;  // as settings_mse; 0 where the sample showed no error any more
@@ -72,6 +67,10 @@ struct Pilot {
     CostStats curve_cost;
     double wall_seconds = 0.0;
 };
+
+/// The predicted mean squared error (radiance over exposure) at which every target that has to be
+/// met is expected to be; none where no probe is steered.
+std::optional<double> first_goal(const Pilot& pilot, Require require);
 
 /// Of a budget of seconds, what renders are planned to take; the rest is for audits, files and what
 /// plans are wrong by.

@@ -76,7 +76,7 @@ class ProbeAudit {
             .rays = pixel_share() * rays_,
             .least_pixels = windows_alone() ? kPixelsBesideWindowsAtLeast : least_pixels(job_),
             .most_pixels = static_cast<int>(probe_.render.aux.size()),
-            .spared = probe_.pooled() && !windows_alone(),
+            .may_be_spared = probe_.pooled() && !windows_alone(),
             .windows = windows.count,
             .window_grid = windows.grid,
             .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),

@@ -18,7 +18,7 @@ inline constexpr double kAuditShare = 0.05;
 struct Look {
     int number = 1;       // from 1 on: every look has random streams of its own
     double effort = 1.0;  // times the usual share of rays
-    double most_rays = std::numeric_limits<double>::infinity();
+    double most_rays = std::numeric_limits<double>::infinity();  // of the audit
     bool teaches = false;  // whether further probes learn from it
 };
 

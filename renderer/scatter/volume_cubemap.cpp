@@ -192,8 +192,9 @@ class Renderer {
 
     uint64_t budget_left() const {
         uint64_t left = std::numeric_limits<uint64_t>::max();
-        if (quality_.most_paths)
+        if (quality_.most_paths) {
             left = *quality_.most_paths - std::min(*quality_.most_paths, paths_);
+        }
         if (!quality_.most_seconds) return left;
         const double spent = std::accumulate(out_.seconds.begin(), out_.seconds.end(), 0.0);
         const double paid_for = std::max(0.0, *quality_.most_seconds - spent) *

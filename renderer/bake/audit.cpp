@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "bake/audit_size.h"
 #include "bake/probe_view.h"
@@ -19,6 +20,8 @@ constexpr double kTruthPerRay = 1.1;
 constexpr int kLeastTruthGrid = 2;
 /// Where the truth divides the error, too, its noise biases.
 constexpr int kLeastRelativeGrid = 8;
+/// Relative standard deviation of a pixel's squared error about what is predicted.
+constexpr double kPixelSpread = 2.5;
 
 /// Largest squared difference of luminance to the four neighbours on the face.
 double contrast(const Cubemap& cube, const CubePixel& p) {
@@ -98,17 +101,22 @@ std::vector<double> draw_probabilities(const AuditSpec& spec) {
     return probability;
 }
 
-int number_of_draws(const AuditSpec& spec, const std::vector<double>& probability) {
-    if (spec.pixels) return *spec.pixels;
+struct Draws {
+    int count = 0;
+    bool by_lot = false;
+};
+
+Draws number_of_draws(const AuditSpec& spec, const std::vector<double>& probability) {
+    if (spec.pixels) return {*spec.pixels};
     double rays_per_draw = 0.0;
     for (size_t i = 0; i < probability.size(); ++i) {
         rays_per_draw += probability[i] * rays_of(spec, i);
     }
     const double paid_for =
         std::min(spec.rays / rays_per_draw, static_cast<double>(spec.most_pixels));
-    if (spec.may_be_spared && paid_for < spec.least_pixels) return in_pairs(paid_for, spec.key);
-    return static_cast<int>(std::clamp(paid_for, static_cast<double>(spec.least_pixels),
-                                       static_cast<double>(spec.most_pixels)));
+    if (spec.lot && paid_for < spec.least_pixels) return {in_pairs(paid_for, *spec.lot), true};
+    return {static_cast<int>(std::clamp(paid_for, static_cast<double>(spec.least_pixels),
+                                        static_cast<double>(spec.most_pixels)))};
 }
 
 class AuditRun {
@@ -151,13 +159,14 @@ class AuditRun {
 
     void audit_pixels() {
         const std::vector<double> probability = draw_probabilities(spec_);
-        const int draws = number_of_draws(spec_, probability);
+        const Draws draws = number_of_draws(spec_, probability);
+        audit_.by_lot = draws.by_lot;
         std::vector<double> cumulative(probability.size());
         double sum = 0.0;
         for (size_t i = 0; i < probability.size(); ++i) cumulative[i] = sum += probability[i];
         RandomStream random = choice_stream(0);
         std::vector<size_t> drawn;
-        for (int i = 0; i < draws; ++i) {
+        for (int i = 0; i < draws.count; ++i) {
             const auto at =
                 std::upper_bound(cumulative.begin(), cumulative.end(), random.uniform() * sum);
             drawn.push_back(
@@ -191,11 +200,13 @@ class AuditRun {
         audit_.error.mse.told = rays_told();
         audit_.error.mse.largest = std::pow(spec_.largest_radiance / spec_.exposure, 2);
         if (spec_.rel_mse) audit_.error.rel_mse = relative_error(drawn, truths, weights);
-        audit_.predicted = mean_prediction();
+        predict();
         if (!spec_.sh) return;
-        audit_.sh = audit_sh(differences, n_);
         const ShRgb written = project_sh(spec_.as_written);
-        audit_.error.irradiance = relative_irradiance(*audit_.sh, written);
+        if (differences.size() > 1) {
+            audit_.sh = audit_sh(differences, n_);
+            audit_.error.irradiance = relative_irradiance(*audit_.sh, written);
+        }
         const double norm = irradiance_norm(written);
         if (!spec_.noise || norm == 0.0) return;
         audit_.noise = spec_.noise;
@@ -243,13 +254,21 @@ class AuditRun {
         return Estimate::of_mean(moments);
     }
 
-    double mean_prediction() const {
+    void predict() {
+        std::vector<double> owned(spec_.aux.size());
         double sum = 0.0;
         for (size_t i = 0; i < spec_.aux.size(); ++i) {
-            sum += pixel_weight(spec_.weighting, pixel_at(i, n_), n_) *
-                   static_cast<double>(spec_.aux[i].predicted_error);
+            const CubePixel pixel = pixel_at(i, n_);
+            const double error = pixel_weight(spec_.weighting, pixel, n_) *
+                                 static_cast<double>(spec_.aux[i].predicted_error);
+            sum += error;
+            owned[cube_index(owner_of(pixel, n_), n_)] += error;
         }
-        return sum / static_cast<double>(spec_.aux.size()) / (spec_.exposure * spec_.exposure);
+        if (!(sum > 0.0)) return;
+        const double squares = std::inner_product(owned.begin(), owned.end(), owned.begin(), 0.0);
+        audit_.predicted =
+            sum / static_cast<double>(spec_.aux.size()) / (spec_.exposure * spec_.exposure);
+        audit_.chance = kPixelSpread * std::sqrt(squares) / sum;
     }
 
     /// Of the file, over pixels and channels.
@@ -323,12 +342,13 @@ std::optional<AuditedRatio> audited_ratio(QualityTarget::Metric metric, const Au
     if (ssim && audit.ssim_lost) predicted = *audit.ssim_lost;
     if (!(predicted > 0.0)) return std::nullopt;
     if (!size && !ssim) return std::nullopt;
-    if (!size || size->samples == 0) return AuditedRatio{.predicted = predicted};
+    const double chance = irradiance ? audit.noise->spread : audit.chance;
+    if (!size || size->samples == 0) return AuditedRatio{.predicted = predicted, .chance = chance};
     return AuditedRatio{.predicted = predicted,
                         .measured = size->value,
                         .variance = size->variance,
                         .draws = size->samples,
-                        .chance = irradiance ? audit.noise->spread : 0.0};
+                        .chance = chance};
 }
 
 Audit audit_cubemap(const AuditSpec& spec, const CancelToken& cancel) {

@@ -32,10 +32,12 @@ struct Audit {
     MeasuredError error;
     uint64_t pixels = 0;
     uint64_t windows = 0;
+    bool by_lot = false;     // drawn as the lot fell: tells of the job, too little of the probe
     double predicted = 0.0;  // mean squared error by the renderer's own prediction; 0 without one
+    double chance = 0.0;     // relative standard deviation of the error about it: of few pixels
     std::optional<ShAudit> sh;
     std::optional<IrradianceNoise> noise;  // by its own variances, of paths
-    std::optional<double> ssim_lost;       // by the same (path_noise.h)
+    std::optional<double> ssim_lost;       // by the same (render_noise.h)
     CostStats cost;
 };
 
@@ -69,9 +71,9 @@ struct AuditSpec {
     double rays = 0.0;
     int least_pixels = 0;
     int most_pixels = 0;
-    /// Whether others of the job tell as well: where the rays do not pay for `least_pixels`, as
-    /// many as they pay for on average, in pairs; none at all where that is less.
-    bool may_be_spared = false;
+    /// Where others of the job tell as well: where the rays do not pay for `least_pixels`, as many
+    /// as they pay for on average over the lots (audit_size.h), in pairs; none at all in most.
+    std::optional<double> lot;
     int windows = 0;                        // of SSIM
     int window_grid = kTruthGrids.front();  // rays per side of r1 and r2 in them
     bool rel_mse = false;

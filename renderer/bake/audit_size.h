@@ -6,10 +6,21 @@
 
 namespace probebake {
 
-/// Audited pixels for irradiance, which needs many: as asked for, else as many as these rays pay
-/// for, at least 64 (8 where the mean of a job's probes tells) and a hundredth of the texels, at
-/// most all of them.
-int irradiance_draws(const JobSpec& job, int truth_grid, int face_size_px, double rays);
+/// Pixels that an audit draws at least, where its rays pay for fewer, and at most.
+struct DrawBounds {
+    int least = 0;
+    int most = 0;
+};
+
+/// At least more where few probes have little else to tell them, fewer where the mean of many does.
+DrawBounds pixel_draws(const JobSpec& job, int face_size_px);
+/// For irradiance, which needs many: at least 64 (8 where the mean of a job's probes tells) and a
+/// hundredth of the texels.
+DrawBounds irradiance_draws(const JobSpec& job, int face_size_px);
+
+/// Whether a probe of leaf rays has so few pixels that no audit of its own tells its irradiance for
+/// what audits may cost, and others of its job tell as well.
+bool irradiance_is_pooled(const JobSpec& job, int face_size_px);
 
 /// Windows of SSIM, and the rays per side of each of the two means of their pixels.
 struct WindowDraws {
@@ -24,7 +35,7 @@ struct WindowParams {
     bool of_many = false;                  // whether the mean of the job's probes tells as well
     bool pooled = false;                   // whether what each of the others has does, too
     bool teaches = false;                  // whether the others learn from this one
-    uint64_t key = 0;                      // of the draw whether a pair is spared
+    double lot = 0.0;                      // of the probe (audit_lot)
 };
 
 /// Rays per side are 0.6 of the root of a pixel's, fewer than in single pixels (audit.h): windows
@@ -33,12 +44,12 @@ struct WindowParams {
 /// none in most probes of small faces.
 WindowDraws ssim_windows(const WindowParams& params, double rays);
 
-/// So many draws on average, in pairs: a single one does not tell how far it may be off. `key` is
-/// that of the audit.
-int in_pairs(double draws, uint64_t key);
-
-/// Draws of pixels: where few probes have little else to tell them more than elsewhere, where the
-/// mean of many does fewer.
-int least_pixels(const JobSpec& job);
+/// A probe's lot, 0 to 1: which probes of a job have the audits that all of them pay for. Spread
+/// evenly over a job's probes, and the same in all looks: else a further look, not what was found,
+/// would be what brings an audit.
+double audit_lot(uint64_t key, size_t probe);
+/// So many draws on average over the lots, in pairs: a single one does not tell how far it may be
+/// off.
+int in_pairs(double draws, double lot);
 
 }  // namespace probebake

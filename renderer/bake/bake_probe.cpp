@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "bake/learn.h"
-#include "bake/path_noise.h"
 #include "bake/probe_audit.h"
 #include "bake/probe_files.h"
 #include "bake/probe_view.h"
+#include "bake/render_noise.h"
 #include "image/exr.h"
 #include "render/hybrid.h"
 #include "render/hybrid_view.h"
@@ -42,6 +42,8 @@ constexpr double kLargestStep = 0.95;
 /// pixels get so many rays a side, and twice as many with every look.
 constexpr int kPredictedLooks = 3;
 constexpr int kFirstLeastGrid = 4;
+/// In fewer, what one ray misses in one of them weighs too much: all get four more at once.
+constexpr uint64_t kFewPixels = 64;
 
 class Unit {
   public:
@@ -88,7 +90,7 @@ class Unit {
 
     bool steered() const {
         return !params_.out_of_time && !through_media() && !ray_limit(job_, probe_) &&
-               first_goal(pilot_, job_.quality.require).has_value();
+               !rendered().leaf_rays_only() && first_goal(pilot_, job_.quality.require).has_value();
     }
 
     /// One cubemap, refined further until its bound meets the target. What the first looks do not
@@ -100,8 +102,12 @@ class Unit {
         const std::vector<double> weights =
             owned_pixel_weights(job_.quality.weighting, probe_.face_size_px, pilot_.exposure);
         double goal = *first_goal(pilot_, job_.quality.require);
-        double price = cubemap.largest_gain();
+        // What the pilot found of the finest settings holds for these alone.
+        const bool finest_alone = pilot_.settings.price < 0.0;
+        double price = finest_alone ? 0.0 : cubemap.largest_gain();
         RenderSettings settings = hybrid_at(price);
+        if (owned_pixel_count(probe_.face_size_px) < kFewPixels) settings.least_grid = 2;
+        if (finest_alone) settings.least_grid = settings.leaf_grid;
         const double lowest = price * 0x1.0p-60;
         for (;;) {
             double predicted = cubemap.predicted_sum(weights);
@@ -117,7 +123,7 @@ class Unit {
             take(cubemap.render());
             if (!audits()) return;
             look();
-            if (result_.target_met || result_.looks == kMaxLooks) return;
+            if (result_.target_met || only_others_tell() || result_.looks == kMaxLooks) return;
             const bool everything = casts_all_leaf_rays(settings);
             const bool harder = finest && (everything || audit_effort_ == 1.0) && may_look_harder();
             if (everything && !harder) return;
@@ -142,6 +148,16 @@ class Unit {
         if (!found.empty()) cubemap.reveal(found);
     }
 
+    /// Whether what is not met yet is told by the mean of the job's probes alone: neither predicted
+    /// nor told by the few draws that this one has.
+    bool only_others_tell() const {
+        if (!result_.certificate.by_lot) return false;
+        for (size_t t = 0; t < result_.met_by.size(); ++t) {
+            if (result_.met_by[t] == EvidenceOf::kNone && result_.pooled[t]) return false;
+        }
+        return true;
+    }
+
     bool may_look_harder() const {
         if (!estimate_meets(job_.quality, result_.certificate.error)) return false;
         return learns(job_) ? rays_left() >= kAuditShare * rays_of_render()
@@ -155,15 +171,16 @@ class Unit {
     double rays_left() const {
         if (!learns(job_)) return std::numeric_limits<double>::infinity();
         const CostStats render = render_.total();
-        const CostStats& known = audited_.all_rays() > 0 ? audited_ : render;
-        const double steps_per_ray =
-            std::max(1.0, static_cast<double>(known.steps) / static_cast<double>(known.all_rays()));
-        const double part = params_.teaches ? kTeachingAudits : kAudits;
-        const double steps =
-            part * static_cast<double>(render.steps) - static_cast<double>(audited_.steps);
+        const CostStats& known = audited_.all_rays() > 0 ? audited_ : pilot_.search_cost;
+        const double steps_per_ray = static_cast<double>(std::max(uint64_t{1}, known.steps)) /
+                                     static_cast<double>(std::max(uint64_t{1}, known.all_rays()));
         const bool told = std::any_of(audits_.begin(), audits_.end(),
                                       [](const AuditedRatio& audit) { return audit.draws > 0; });
-        return std::max(steps / steps_per_ray, told ? 0.0 : kLeastTold * rays_of_render());
+        const double part =
+            (params_.teaches ? kTeachingAudits : kAudits) + (told ? 0.0 : kLeastTold);
+        const double steps =
+            part * static_cast<double>(render.steps) - static_cast<double>(audited_.steps);
+        return std::max(0.0, steps) / std::max(1.0, steps_per_ray);
     }
 
     /// By how much the prediction has to fall for the bound to meet the target.
@@ -204,7 +221,7 @@ class Unit {
         }
         while (audits()) {
             look();
-            if (result_.target_met || !may_look_again()) return;
+            if (result_.target_met || only_others_tell() || !may_look_again()) return;
             if (as_good_as_met()) {
                 if (may_be_pooled()) return;
                 audit_effort_ *= kHarderLook;
@@ -228,19 +245,20 @@ class Unit {
         take(render());
     }
 
-    /// Through media: the settings from `next` on whose pixels' variances lead to expect what is
+    /// The settings from `next` on whose pixels' variances lead to expect what is
     /// asked for, where those of the render do not.
     std::optional<size_t> finer_by_variances(size_t next) const {
         const bool any_will_do =
             job_.quality.targets.size() > 1 && job_.quality.require == Require::kAny;
-        if (!through_media() || any_will_do || params_.out_of_time || render_.limited ||
+        if (!told_by_variances() || any_will_do || params_.out_of_time || render_.limited ||
             next == pilot_.finer.size() || !affords_another_render()) {
             return std::nullopt;
         }
         std::optional<size_t> finer;
         for (size_t t = 0; t < pilot_.steering.size(); ++t) {
             if (!pilot_.steering[t]) continue;
-            const double step = path_noise().step(job_.quality.targets[t], *pilot_.steering[t]);
+            const double step =
+                rendered().noise().step(job_.quality.targets[t], *pilot_.steering[t]);
             if (step >= 1.0) continue;
             finer = std::max(finer.value_or(next), finer_than(next, render_mse_ * step));
         }
@@ -291,7 +309,7 @@ class Unit {
 
     bool through_media() const { return pilot_.media != nullptr; }
 
-    PathNoise path_noise() const { return {render_, as_written_, pilot_}; }
+    bool told_by_variances() const { return through_media() || rendered().irradiance_by_noise(); }
 
     RenderedProbe rendered() const {
         return {.scene = scene_,
@@ -301,7 +319,8 @@ class Unit {
                 .render_scene = render_scene_,
                 .render = render_,
                 .as_written = as_written_,
-                .settings = result_.settings};
+                .settings = result_.settings,
+                .mse = render_mse_};
     }
 
     CubemapRender render() const {
@@ -345,7 +364,8 @@ class Unit {
         const std::vector<QualityTarget>& targets = job_.quality.targets;
         result_.pooled.assign(targets.size(), std::nullopt);
         audits_.resize(targets.size());
-        std::vector<EvidenceOf> evidence;  // that each target is met
+        std::vector<EvidenceOf>& evidence = result_.met_by;
+        evidence.clear();
         for (size_t t = 0; t < targets.size(); ++t) evidence.push_back(look_at(t));
         result_.target_met = targets_meet(job_.quality, [&](const QualityTarget& target) {
             return evidence[static_cast<size_t>(&target - targets.data())] != EvidenceOf::kNone;

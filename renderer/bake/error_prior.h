@@ -43,6 +43,9 @@ inline constexpr double kUsualSpread = 0.7;
 /// errors on those scenes.
 inline constexpr ErrorPrior kUsualPrior = {.ratio = 0.65, .spread = kUsualSpread, .draw_cv = 10.0};
 
+/// The same of squared irradiance errors over what unbiased noise leads to expect.
+inline constexpr ErrorPrior kUsualIrradiancePrior = {.ratio = 1.0, .spread = 0.4, .draw_cv = 6.0};
+
 /// An audit beside the renderer's prediction.
 struct AuditedRatio {
     double predicted = 0.0;  // mean squared error

@@ -21,9 +21,7 @@ constexpr int kFirstPaths = 16;  // of each of two means
 constexpr double kShare = 0.03;
 constexpr int kLeastPaths = 16;
 
-/// Of actual over predicted irradiance errors (squared, of what is to be expected), and of what
-/// noise takes from SSIM.
-constexpr ErrorPrior kIrradiancePrior{.ratio = 1.0, .spread = 0.4, .draw_cv = 6.0};
+/// Of actual over predicted loss of SSIM to noise.
 constexpr ErrorPrior kSsimPrior{.ratio = 1.0, .spread = 0.5, .draw_cv = 1.0};
 /// Paths in every pixel, for irradiance: from, to, and from one number to the next.
 constexpr int kLeastIrradiancePaths = 4;
@@ -281,7 +279,7 @@ class MediaPilot {
         for (const QualityTarget& target : job_.quality.targets) {
             all.emplace_back();
             if (target.metric == QualityTarget::Metric::kIrradianceRel) {
-                all.back() = steering_of(target, kIrradiancePrior);
+                all.back() = steering_of(target, kUsualIrradiancePrior);
             } else if (target.metric == QualityTarget::Metric::kSsim && learns) {
                 all.back() = steering_of(target, kSsimPrior);
             }

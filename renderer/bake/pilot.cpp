@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/leaf_ray_pilot.h"
 #include "bake/media_pilot.h"
 
 namespace probebake {
@@ -24,8 +25,6 @@ constexpr double kLargestSpread = 2.0;
 /// at its end, where a pixel may cost hundreds of rays.
 constexpr size_t kCurveBefore = 4;
 constexpr size_t kCurveBeyond[] = {1, 3};
-/// Of leaf rays only: points after the first.
-constexpr size_t kFinerLeafPoints = 3;
 
 /// Whether a ray limit leaves out what promises least.
 bool spends_where_it_counts(const RenderSettings& settings) {
@@ -92,7 +91,7 @@ class Search {
             pilot.finer = pilot.settings.price < 0.0
                               ? finer_grids(pilot.settings)
                               : lower_prices(pilot.settings.price, pilot.settings_mse);
-            if (steers(pilot)) pilot.steering = steering(all[chosen]);
+            if (steers(pilot, all[chosen])) pilot.steering = steering(all[chosen]);
             return {std::move(all), chosen};
         }
         for (size_t i = chosen + 1; i < all.size(); ++i) {
@@ -107,9 +106,9 @@ class Search {
   private:
     /// Whether probes are refined until their own predictions say so; also where the few pixels of
     /// the sample, one of which may be wrong as few are, say that they cannot be.
-    bool steers(const Pilot& pilot) const {
+    bool steers(const Pilot& pilot, const Candidate& chosen) const {
         return pilot.expectation != Expectation::kBudgetExhausted && !ray_target() &&
-               !job_.budget.rays && pilot.settings.price > 0.0;
+               !job_.budget.rays && chosen.predicted > 0.0;
     }
 
     std::vector<std::optional<Steering>> steering(const Candidate& chosen) const {
@@ -355,29 +354,6 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
     return {{.kind = RendererKind::kLod}, given, {.kind = RendererKind::kReference}};
 }
 
-/// One leaf ray per pixel, then finer grids for probes that miss the target. Squared errors in
-/// units of what one ray leaves: they fall like the variance of stratified means, and so does the
-/// square of an audit's interval that costs a share of its render (irradiance_truth_grid).
-void begin_with_one_ray(Pilot& pilot) {
-    constexpr std::array kFiner = {2, 3, 4, 8, 16};
-    const auto shifted = [](int grid) {
-        return RenderSettings{
-            .kind = RendererKind::kReference, .leaf_grid = grid, .shifted_grid = true};
-    };
-    pilot.settings = shifted(1);
-    pilot.settings_mse = 1.0;
-    for (const int grid : kFiner) {
-        pilot.finer.push_back({shifted(grid), 1.0 / (grid * grid * grid)});
-    }
-}
-
-/// One leaf ray, and the first that are finer.
-std::vector<RenderSettings> curve_settings(const Pilot& leaf_rays) {
-    std::vector<RenderSettings> settings{leaf_rays.settings};
-    for (size_t i = 0; i < kFinerLeafPoints; ++i) settings.push_back(leaf_rays.finer[i].settings);
-    return settings;
-}
-
 /// Over the channels, of what the sample shows.
 double largest_radiance(const SearchSample& sample) {
     double largest = 0.0;
@@ -433,7 +409,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
         measured = {pilot.settings};
     } else if (plan.leaf_rays_only) {
         begin_with_one_ray(pilot);
-        measured = curve_settings(pilot);
+        measured = leaf_ray_curve(pilot);
     } else if (plan.needs_pilot) {
         const auto [frontier, chosen] = Search(job, plan, pixels, stopwatch).run(pilot);
         measured = curve_settings(frontier, chosen, pilot.settings);
@@ -463,6 +439,7 @@ Pilot run_pilot(const Scene& scene, const JobSpec& job, const Plan& plan, const 
     }
     std::stable_sort(pilot.curve.begin(), pilot.curve.end(),
                      [](const CurvePoint& a, const CurvePoint& b) { return a.steps < b.steps; });
+    if (plan.leaf_rays_only) learn_from_leaf_ray_curve(pilot, job);
     pilot.pixels = pixels.sample().pixels.size();
     pilot.search_cost = pixels.search_cost();
     pilot.wall_seconds = stopwatch.seconds();

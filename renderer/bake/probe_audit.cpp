@@ -6,8 +6,8 @@
 #include "bake/audit_size.h"
 #include "bake/hidden_light.h"
 #include "bake/learn.h"
-#include "bake/path_noise.h"
 #include "bake/probe_view.h"
+#include "bake/render_noise.h"
 
 namespace probebake {
 namespace {
@@ -33,7 +33,7 @@ constexpr int kPixelsBesideWindowsAtLeast = 2;
 std::vector<double> light_hidden(const RenderedProbe& probe, double rays, uint64_t key,
                                  CostStats& cost) {
     if (probe.through_media()) return {};
-    const double least = probe.pooled() ? 0.0 : kLeastHiddenLightRays;
+    const double least = learns(probe.job) ? 0.0 : kLeastHiddenLightRays;
     return hidden_light({.scene = probe.render_scene,
                          .emitters = probe.pilot.emitters.get(),
                          .origin = probe.scene.to_voxels(probe.spec().position_m),
@@ -56,7 +56,8 @@ class ProbeAudit {
 
     Audit run(const CancelToken& cancel) const {
         const bool irradiance = has_target(job_.quality, QualityTarget::Metric::kIrradianceRel);
-        const PathNoise noise(probe_.render, probe_.as_written, probe_.pilot);
+        const RenderNoise noise = probe_.noise();
+        const DrawBounds draws = bounds(irradiance);
         std::optional<double> ssim_lost;
         if (probe_.through_media() && wants_windows()) ssim_lost = noise.ssim_lost();
         const WindowDraws windows = window_draws(ssim_lost);
@@ -74,9 +75,9 @@ class ProbeAudit {
             .weighting = job_.quality.weighting,
             .pixels = job_.quality.evidence.pixels_per_probe,
             .rays = pixel_share() * rays_,
-            .least_pixels = windows_alone() ? kPixelsBesideWindowsAtLeast : least_pixels(job_),
-            .most_pixels = static_cast<int>(probe_.render.aux.size()),
-            .may_be_spared = probe_.pooled() && !windows_alone(),
+            .least_pixels = draws.least,
+            .most_pixels = draws.most,
+            .lot = by_lot() ? std::optional(lot()) : std::nullopt,
             .windows = windows.count,
             .window_grid = windows.grid,
             .rel_mse = has_target(job_.quality, QualityTarget::Metric::kRelMse),
@@ -84,12 +85,8 @@ class ProbeAudit {
             .ssim_lost = ssim_lost,
             .drawn_for_sh = probe_.leaf_rays_only(),
             .key = key_};
-        if (irradiance && probe_.through_media()) {
-            spec.noise = noise.irradiance();
-        } else if (irradiance) {
-            spec.truth_grid = truth_grid();
-            spec.pixels = irradiance_draws(job_, truth_grid(), probe_.spec().face_size_px, rays_);
-        }
+        if (irradiance && !probe_.through_media()) spec.truth_grid = truth_grid();
+        if (probe_.irradiance_by_noise()) spec.noise = noise.irradiance();
         Audit audit = audit_cubemap(spec, cancel);
         audit.cost += search_cost;
         return audit;
@@ -103,6 +100,22 @@ class ProbeAudit {
         if (probe_.leaf_rays_only()) return kLeafRaysShare;
         const double share = look_.teaches && !windows_alone() ? kTeachingShare : kAuditShare;
         return wants_leaf_rays_only(job_) ? kPathsShare * share : share;
+    }
+
+    /// An audit of a render that took no step costs nothing to speak of.
+    bool by_lot() const {
+        return learns(job_) && !windows_alone() && probe_.render.total().steps > 0;
+    }
+    double lot() const {
+        return audit_lot(random_key({job_.seed, stream_of(probe_.pilot.state.spec)}), probe_.probe);
+    }
+
+    DrawBounds bounds(bool irradiance) const {
+        const int n = probe_.spec().face_size_px;
+        if (irradiance && !probe_.through_media()) return irradiance_draws(job_, n);
+        DrawBounds draws = pixel_draws(job_, n);
+        if (windows_alone()) draws.least = kPixelsBesideWindowsAtLeast;
+        return draws;
     }
 
     double pixel_share() const {
@@ -141,7 +154,7 @@ class ProbeAudit {
              .of_many = learns(job_),
              .pooled = learns(job_) && !probe_.pilot.steering.empty() && lost != 0.0,
              .teaches = look_.teaches,
-             .key = key_},
+             .lot = lot()},
             windows_alone() ? rays_ : (1.0 - kPixelsAndWindows) * rays_);
     }
 

@@ -36,6 +36,8 @@ struct ProbeResult {
                                 // the job's, which is what rows and files promise
     bool target_met = false;    // by its bound
     EvidenceOf evidence = EvidenceOf::kNone;
+    /// Whose evidence says that a target is met, one per target; none where it is not.
+    std::vector<EvidenceOf> met_by;
     /// Its error with what the job knows, in the target's size (error_size), one per target; at the
     /// job's confidence.
     std::vector<std::optional<PooledError>> pooled;

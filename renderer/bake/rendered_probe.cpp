@@ -1,17 +1,17 @@
 #include "bake/rendered_probe.h"
 
-#include <algorithm>
-
-#include "bake/learn.h"
+#include "bake/audit_size.h"
 #include "bake/probe_view.h"
 
 namespace probebake {
 
-bool RenderedProbe::pooled() const {
-    const auto& steering = pilot.steering;
-    return learns(job) && !steering.empty() &&
-           std::all_of(steering.begin(), steering.end(),
-                       [](const auto& target) { return target.has_value(); });
+bool RenderedProbe::irradiance_by_noise() const {
+    return has_target(job.quality, QualityTarget::Metric::kIrradianceRel) &&
+           (through_media() || irradiance_is_pooled(job, spec().face_size_px));
+}
+
+RenderNoise RenderedProbe::noise() const {
+    return {render, as_written, pilot, through_media() ? std::nullopt : std::optional(mse)};
 }
 
 VolumeView RenderedProbe::paths_view() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bake/pilot.h"
+#include "bake/render_noise.h"
 #include "image/cubemap.h"
 #include "render/render.h"
 #include "scatter/volume_cubemap.h"
@@ -18,12 +19,14 @@ struct RenderedProbe {
     const CubemapRender& render;
     const Cubemap& as_written;  // rounded as the files round
     const RenderSettings& settings;
+    double mse = 0.0;  // that the pilot found of these settings
 
     const ProbeSpec& spec() const { return job.probes[probe]; }
     bool through_media() const { return pilot.media != nullptr; }
     bool leaf_rays_only() const { return wants_leaf_rays_only(job) && !through_media(); }
-    /// Whether the audits of other probes tell of every target of this one, too.
-    bool pooled() const;
+    /// Whether what variances lead to expect of its irradiance is asked.
+    bool irradiance_by_noise() const;
+    RenderNoise noise() const;
     /// Of the paths that render it.
     VolumeView paths_view() const;
 };

@@ -7,7 +7,6 @@
 
 #include "bake/job_names.h"
 #include "bake/state_error.h"
-#include "render/hybrid.h"
 
 namespace probebake {
 namespace {
@@ -331,36 +330,6 @@ Json write_scene(const Scene& scene) {
                    {"build_peak_bytes", load.build.peak_bytes}}}};
     if (scene.mesh) json["mesh"] = write_mesh_world(*scene.mesh);
     return json;
-}
-
-std::string_view name_of(Verdict verdict) {
-    constexpr std::array<std::string_view, 5> kNames = {
-        "target_met", "target_missed", "budget_exhausted", "unreachable", "not_audited"};
-    return kNames[static_cast<size_t>(verdict)];
-}
-
-Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
-                const MeasuredError& pooled) {
-    // A number of rays is a limit that holds by construction.
-    if (only_target(job.quality, QualityTarget::Metric::kRays)) {
-        return {Verdict::kTargetMet, EvidenceOf::kNone};
-    }
-    if (!result.audited()) return {Verdict::kNotAudited, EvidenceOf::kNone};
-    if (result.target_met) return {Verdict::kTargetMet, result.evidence};
-    // What is not steered has no prior: the mean of all probes may tell.
-    if (pilot.steering.empty() && estimate_meets(job.quality, result.certificate.error) &&
-        bound_meets(job.quality, pooled, job.quality.evidence.confidence)) {
-        return {Verdict::kTargetMet, EvidenceOf::kJob};
-    }
-    if (result.limited || pilot.expectation == Expectation::kBudgetExhausted) {
-        return {Verdict::kBudgetExhausted, EvidenceOf::kProbe};
-    }
-    const bool finest = pilot.finer.empty() || result.settings == pilot.finer.back().settings ||
-                        casts_all_leaf_rays(result.settings);  // steered probes end there
-    if (pilot.expectation == Expectation::kUnreachable || (finest && !job.quality.settings)) {
-        return {Verdict::kUnreachable, EvidenceOf::kProbe};
-    }
-    return {Verdict::kTargetMissed, EvidenceOf::kProbe};
 }
 
 Json write_probe_row(const BakeRecord& record, const Pilot& pilot, const ProbeResult& result,

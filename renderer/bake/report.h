@@ -12,25 +12,9 @@
 #include "bake/pilot.h"
 #include "bake/probe_places.h"
 #include "bake/probe_result.h"
+#include "bake/verdict.h"
 
 namespace probebake {
-
-enum class Verdict {
-    kTargetMet,        // the far end of the error's interval meets the target
-    kTargetMissed,     // it does not, though the settings were expected to
-    kBudgetExhausted,  // the budget stood in the way
-    kUnreachable,      // not even the finest settings meet it
-    kNotAudited,       // no evidence was asked for
-};
-std::string_view name_of(Verdict verdict);
-
-struct Judgement {
-    Verdict verdict = Verdict::kNotAudited;
-    EvidenceOf evidence = EvidenceOf::kNone;
-};
-
-Judgement judge(const JobSpec& job, const Pilot& pilot, const ProbeResult& result,
-                const MeasuredError& pooled);
 
 /// A finished bake, as far as the report is concerned. Results may have given their files' bytes
 /// away.

@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 7;
+constexpr uint64_t kVersion = 8;
 
 class Damaged {};
 
@@ -211,8 +211,8 @@ void fields(Archive& archive, T& noise) {
 
 template <class Archive, Either<Audit> T>
 void fields(Archive& archive, T& audit) {
-    auto& [error, pixels, windows, predicted, sh, noise, ssim_lost, cost] = audit;
-    archive(error, pixels, windows, predicted, sh, noise, ssim_lost, cost);
+    auto& [error, pixels, windows, by_lot, predicted, chance, sh, noise, ssim_lost, cost] = audit;
+    archive(error, pixels, windows, by_lot, predicted, chance, sh, noise, ssim_lost, cost);
 }
 
 template <class Archive, Either<Interval> T>
@@ -248,11 +248,11 @@ void fields(Archive& archive, T& tile) {
 template <class Archive, Either<ProbeResult> T>
 void fields(Archive& archive, T& result) {
     auto& [probe, state, settings, faces, pixels, limited, looks, earlier_renders, certificate,
-           confidence, target_met, evidence, pooled, first_look, decision_cost, is_float,
+           confidence, target_met, evidence, met_by, pooled, first_look, decision_cost, is_float,
            inside_voxel, far_m, wall_seconds, files, ddgi] = result;
     archive(settings, faces, pixels, limited, looks, earlier_renders, certificate, confidence,
-            target_met, evidence, pooled, first_look, decision_cost, is_float, inside_voxel, far_m,
-            wall_seconds, files, ddgi);
+            target_met, evidence, met_by, pooled, first_look, decision_cost, is_float, inside_voxel,
+            far_m, wall_seconds, files, ddgi);
 }
 
 }  // namespace

@@ -46,16 +46,18 @@ ShError expected_error(const ExpectedIrradiance& expected) {
             kShLargestIrradiance * glm::sqrt(off_by * noise.channels)};
 }
 
-Json write_audit(const ShFile& file) {
-    const ShAudit& audit = *file.audit;
+Json write_error(const ShFile& file) {
     const ShError error = file.expected ? expected_error(*file.expected) : error_by_draws(file);
-    return {{"draws", audit.draws},
-            {"confidence", file.confidence},
-            {"difference", write_coefficients(audit.difference)},
-            {"standard_error", write_coefficients(audit.standard_error)},
-            {"irradiance_rel", error.relative},
-            {"irradiance_rel_interval", write_interval(error.interval)},
-            {"irradiance_off_by_at_most", write_rgb(error.largest)}};
+    Json json = {{"draws", file.audit ? file.audit->draws : 0},
+                 {"confidence", file.confidence},
+                 {"irradiance_rel", error.relative},
+                 {"irradiance_rel_interval", write_interval(error.interval)},
+                 {"irradiance_off_by_at_most", write_rgb(error.largest)}};
+    if (file.audit) {
+        json["difference"] = write_coefficients(file.audit->difference);
+        json["standard_error"] = write_coefficients(file.audit->standard_error);
+    }
+    return json;
 }
 
 }  // namespace
@@ -85,7 +87,7 @@ std::vector<std::byte> encode_sh(const ShFile& file) {
                  {"irradiance_factors", {kShIrradiance[0], kShIrradiance[1], kShIrradiance[4]}}};
     const auto sky = probe.texts.find("probe:skySha256");
     if (sky != probe.texts.end()) json["sky_sha256"] = sky->second;
-    if (file.audit) json["error"] = write_audit(file);
+    if (file.audit || file.expected) json["error"] = write_error(file);
     const std::string text = dump_json(json, 2) + "\n";
     const auto bytes = std::as_bytes(std::span(text));
     return {bytes.begin(), bytes.end()};

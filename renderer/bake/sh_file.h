@@ -23,7 +23,7 @@ struct ExpectedIrradiance {
 
 struct ShFile {
     const ShRgb& radiance;
-    /// None where nothing was audited.
+    /// None where nothing was audited, or the audit was spared.
     const std::optional<ShAudit>& audit;
     double confidence = 0.95;       // the job's, of which the file speaks
     double look_confidence = 0.95;  // of the draws' own intervals: no lower

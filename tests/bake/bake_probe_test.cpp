@@ -204,16 +204,15 @@ TEST_F(BakeProbeTest, EmissionIsASeparateState) {
     EXPECT_EQ(brightest(LightingState::kEmission), 1048576.0f);  // a 1e6 emitter survives
 }
 
-TEST_F(BakeProbeTest, IrradianceDrawsGrowWithTheCubeAndWithWhatWasSpentOnIt) {
+TEST_F(BakeProbeTest, IrradianceDrawsGrowWithTheCube) {
     JobSpec job;
-    EXPECT_EQ(irradiance_draws(job, 4, 16, 0), 64);
-    EXPECT_EQ(irradiance_draws(job, 4, 64, 0), 245);
-    EXPECT_EQ(irradiance_draws(job, 4, 64, 32'000), 1000);  // 2 × 16 rays for each
-    EXPECT_EQ(irradiance_draws(job, 4, 64, 1e9), 24'576);
+    EXPECT_EQ(irradiance_draws(job, 16).least, 64);
+    EXPECT_EQ(irradiance_draws(job, 16).most, 1536);
+    EXPECT_EQ(irradiance_draws(job, 64).least, 245);
+    EXPECT_EQ(irradiance_draws(job, 64).most, 24'576);
+    EXPECT_EQ(irradiance_draws(job, 1).most, 64);
     job.probes.resize(100);
-    EXPECT_EQ(irradiance_draws(job, 4, 4, 0), 8);
-    job.quality.evidence.pixels_per_probe = 999;
-    EXPECT_EQ(irradiance_draws(job, 4, 16, 0), 999);
+    EXPECT_EQ(irradiance_draws(job, 4).least, 8);
 }
 
 TEST(AuditSize, WindowsOfSsimCostWhatTheRenderDoes) {
@@ -222,14 +221,14 @@ TEST(AuditSize, WindowsOfSsimCostWhatTheRenderDoes) {
     EXPECT_EQ(alone.grid, 2);
     // Two windows of 2 × 9 × 121 rays where a quarter of that may be spent: in one probe of four.
     int count = 0;
-    for (uint64_t key = 0; key < 4000; ++key) {
-        const WindowDraws spared =
-            ssim_windows({.rays_per_pixel = 20.0, .pooled = true, .key = key}, 9.0 * 121.0);
+    for (size_t probe = 0; probe < 4000; ++probe) {
+        const WindowDraws spared = ssim_windows(
+            {.rays_per_pixel = 20.0, .pooled = true, .lot = audit_lot(1, probe)}, 9.0 * 121.0);
         EXPECT_EQ(spared.grid, 3);
         EXPECT_EQ(spared.count % 2, 0);
         count += spared.count;
     }
-    EXPECT_NEAR(count / 4000.0, 0.5, 0.06);
+    EXPECT_NEAR(count / 4000.0, 0.5, 0.01);
     const WindowDraws many = ssim_windows({.rays_per_pixel = 100.0, .pooled = true}, 100'000.0);
     EXPECT_EQ(many.grid, 4);
     EXPECT_NEAR(many.count, 1e5 / (2 * 16 * 121), 2.0);

@@ -76,14 +76,14 @@ INSTANTIATE_TEST_SUITE_P(
         GoldenCase{"Emission", R"({"lighting_states": ["emission"]})",
                    "1352 0 314 15187 0 0 3634 59893 1540102400144685580"},
         GoldenCase{"Lit", kLit,
-                   "133284 0 38777 673402 807819 26627 19288 467318 11286582155095536444"},
+                   "154020 0 45407 756720 893184 26627 29027 467318 8359496460314082578"},
         GoldenCase{"Ssim", R"({"quality": {"targets": {"psnr_db": null, "ssim": 0.95}}})",
                    "49220 0 15149 275767 392026 0 205020 716730 1704202772101279550"},
         GoldenCase{"Rays", R"({"quality": {"targets": {"psnr_db": null, "rays": 9000}}})",
                    "8372 0 2737 56141 92707 0 5184 147584 8557715311679284690"},
         GoldenCase{"Irradiance",
                    R"({"quality": {"targets": {"psnr_db": null, "irradiance_rel": 0.1}}})",
-                   "12168 0 5128 159851 0 27177 31707 313397 6478993847539340985"}),
+                   "12168 0 5128 159851 0 27177 31707 938400 6478993847539340985"}),
     [](const auto& test_case) { return std::string(test_case.param.name); });
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST(IrradianceNoise, CurveOfLeafRaysTellsWhatCubemapsAreWrongBy) {
     const CancelToken cancel;
     const Plan plan = make_plan(scene, job);
     const Pilot pilot = run_pilot(scene, job, plan, LightingState::kAlbedo, cancel);
-    ASSERT_EQ(pilot.curve.size(), 4U);
+    ASSERT_EQ(pilot.curve.size(), 5U);
     for (const CurvePoint& point : pilot.curve) {
         ASSERT_TRUE(point.error.irradiance_square);
         double found = 0.0;

@@ -43,17 +43,22 @@ TEST(Judge, OwnEvidenceFirstThenTheJobs) {
     const MeasuredError a_little{estimate(1.1e-4, 0.5e-4), {}};
     EXPECT_EQ(judge_own(a_little, good).verdict, Verdict::kTargetMissed);
     // Nor where the job's evidence has been asked already, probe by probe.
-    pilot.steering = {Steering{}};
+    result.first_look = {AuditedRatio{}};
     EXPECT_EQ(judge_own(vague, good).verdict, Verdict::kTargetMissed);
-    pilot.steering.clear();
+    result.first_look.clear();
     EXPECT_EQ(judge_own(bad, good).verdict, Verdict::kTargetMissed);
     result.settings = pilot.finer.back().settings;
     EXPECT_EQ(judge_own(bad, good).verdict, Verdict::kUnreachable);
     result.limited = true;
     EXPECT_EQ(judge_own(bad, good).verdict, Verdict::kBudgetExhausted);
     EXPECT_EQ(judge_own(good, bad).verdict, Verdict::kTargetMet);
+    result.limited = false;
     result.certificate.pixels = 0;
-    EXPECT_EQ(judge_own(good, good).verdict, Verdict::kNotAudited);
+    // Whose own audit was spared, and nothing was audited at all.
+    EXPECT_EQ(judge_own({}, good).verdict, Verdict::kTargetMet);
+    EXPECT_EQ(judge_own({}, good).evidence, EvidenceOf::kJob);
+    EXPECT_EQ(judge_own({}, bad).verdict, Verdict::kUnreachable);
+    EXPECT_EQ(judge_own({}, {}).verdict, Verdict::kNotAudited);
     EXPECT_EQ(judge(test::small_job(2, {{"rays", 9000}}), pilot, result, good).verdict,
               Verdict::kTargetMet);
 }

@@ -172,12 +172,12 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
     }
     const Pilot pilot = this->pilot(job);
     // In each of the sample's 384 pixels two rays of truth, for the exposure, and, for the
-    // curve, twice 1 + 4 + 9 + 16 leaf rays; the irradiance seen from both probes, by 8 × 8
+    // curve, twice 1 + 4 + 9 + 16 + 64 leaf rays; the irradiance seen from both probes, by 8 × 8
     // pixels a face.
     constexpr uint64_t kPixels = 384;
-    EXPECT_EQ(pilot.curve.size(), 4U);
-    EXPECT_EQ(pilot.curve_cost.all_rays(), 30 * kPixels);
-    EXPECT_EQ(pilot.search_cost.all_rays(), (2 + 30) * kPixels + 2 * uint64_t{384});
+    EXPECT_EQ(pilot.curve.size(), 5U);
+    EXPECT_EQ(pilot.curve_cost.all_rays(), 94 * kPixels);
+    EXPECT_EQ(pilot.search_cost.all_rays(), (2 + 94) * kPixels + 2 * uint64_t{384});
     const ProbeResult result = bake_probe(scene_, job, pilot, {.probe = 0}, cancel_);
     EXPECT_EQ(
         result.settings,
@@ -189,7 +189,7 @@ TEST_F(ShTest, IrradianceBeginsWithOneLeafRayPerPixel) {
 
     Json request = test::small_request(1, {{"irradiance_rel", 0.5}});
     request["quality"]["exposure"] = 0.5;
-    EXPECT_EQ(this->pilot(read_job(request)).search_cost.all_rays(), 30 * kPixels + 384);
+    EXPECT_EQ(this->pilot(read_job(request)).search_cost.all_rays(), 94 * kPixels + 384);
 }
 
 TEST_F(ShTest, AProbeWhoseBoundMissesTheTargetGetsFinerGrids) {

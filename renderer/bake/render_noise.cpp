@@ -1,6 +1,7 @@
-#include "bake/path_noise.h"
+#include "bake/render_noise.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "image/ssim.h"
 
@@ -15,7 +16,12 @@ constexpr double kMostSsimLost = 0.98;
 
 }  // namespace
 
-IrradianceNoise PathNoise::irradiance() const {
+IrradianceNoise RenderNoise::irradiance() const {
+    if (mse_) {
+        const auto error = static_cast<float>(std::sqrt(*mse_) * pilot_.exposure);
+        const std::vector<PixelAux> alike(render_.aux.size(), {.standard_error = Rgb(error)});
+        return irradiance_noise(as_written_, alike);
+    }
     IrradianceNoise noise = irradiance_noise(as_written_, render_.aux);
     const auto paths = static_cast<double>(render_.total().rays);
     const double both = (noise.square + pilot_.irradiance_square_times_paths / paths) / 2.0;
@@ -24,7 +30,7 @@ IrradianceNoise PathNoise::irradiance() const {
     return noise;
 }
 
-double PathNoise::ssim_lost() const {
+double RenderNoise::ssim_lost() const {
     const int n = as_written_.face_size();
     const size_t pixels = static_cast<size_t>(n) * static_cast<size_t>(n);
     Moments lost;
@@ -42,7 +48,7 @@ double PathNoise::ssim_lost() const {
     return lost.mean();
 }
 
-double PathNoise::step(const QualityTarget& target, const Steering& steering) const {
+double RenderNoise::step(const QualityTarget& target, const Steering& steering) const {
     if (target.metric == QualityTarget::Metric::kIrradianceRel) {
         return *largest_size(target) / (kUnlucky * steering.prior.ratio * irradiance().square);
     }

@@ -1,5 +1,5 @@
-// What a render through media says of its own error: paths err without bias and independently, so
-// that the variances of its pixels tell it.
+// What a render's variances say of its error: paths through media, and leaf rays of shifted grids,
+// err without bias and independently.
 #pragma once
 
 #include "bake/irradiance_noise.h"
@@ -10,12 +10,16 @@
 namespace probebake {
 
 /// Of a render and how its file holds it. All outlive it.
-class PathNoise {
+class RenderNoise {
   public:
-    PathNoise(const CubemapRender& render, const Cubemap& as_written, const Pilot& pilot)
-        : render_(render), as_written_(as_written), pilot_(pilot) {}
+    /// `mse`: of leaf rays, which do not tell their variance; what the pilot found (metrics'
+    /// units).
+    RenderNoise(const CubemapRender& render, const Cubemap& as_written, const Pilot& pilot,
+                std::optional<double> mse = {})
+        : render_(render), as_written_(as_written), pilot_(pilot), mse_(mse) {}
 
-    /// By this probe's paths and by those of the pilot: half by each.
+    /// Of paths by the probe's own and by those of the pilot, half by each; of leaf rays by the
+    /// pilot's.
     IrradianceNoise irradiance() const;
 
     /// 1 − SSIM to be expected, mean over all windows of all faces (ssim_lost_to_noise), channels
@@ -30,6 +34,7 @@ class PathNoise {
     const CubemapRender& render_;
     const Cubemap& as_written_;
     const Pilot& pilot_;
+    std::optional<double> mse_;
 };
 
 }  // namespace probebake

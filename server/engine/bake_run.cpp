@@ -130,18 +130,16 @@ class BakeRun {
         return is_wanted(unit_of_grid(g, unit % job_.states.size()));
     }
 
-    /// What is left to be baked, in the order in which it is begun.
+    /// What is left to be baked.
     std::vector<size_t> units_to_bake() const {
         const BakeHistory& history = params_.history;
         std::vector<size_t> units;
-        std::vector<size_t> last;
         for (size_t i = 0; i < unit_count(job_); ++i) {
             if (history.finished.contains(i) || history.given_up.contains(i)) continue;
             // To be mended as it was, a unit needs those that it learnt from.
             if (!is_wanted(i) && !is_wanted_by_grid(i) && i >= teachers()) continue;
-            (history.last.contains(i) ? last : units).push_back(i);
+            units.push_back(i);
         }
-        units.insert(units.end(), last.begin(), last.end());
         return units;
     }
 
@@ -174,9 +172,13 @@ class BakeRun {
 
     template <class Which>
     void render_units(const std::vector<size_t>& units, const Which& which) {
-        std::vector<size_t> some;
-        std::copy_if(units.begin(), units.end(), std::back_inserter(some), which);
-        params_.pool.for_each(some.size(), [&](size_t k) { bake_unit(some[k]); });
+        std::vector<size_t> together;
+        std::vector<size_t> alone;  // so that no other is blamed
+        for (const size_t i : units) {
+            if (which(i)) (params_.history.suspects.contains(i) ? alone : together).push_back(i);
+        }
+        params_.pool.for_each(together.size(), [&](size_t k) { bake_unit(together[k]); });
+        for (const size_t i : alone) params_.pool.run([&] { bake_unit(i); });
     }
 
     void bake_unit(size_t i) {

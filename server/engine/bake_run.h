@@ -55,7 +55,7 @@ UnitLabel label_of(const JobSpec& job, size_t unit);
 /// What an earlier attempt left for this one. Atlases are always made again, of what is finished.
 struct BakeHistory {
     std::map<size_t, ProbeResult> finished;  // not baked again
-    std::set<size_t> last;                   // baked last: they may bring the process down
+    std::set<size_t> suspects;               // baked last, one by one: they may end the process
     std::map<size_t, std::string> given_up;  // not baked, with the reason
     /// These alone, to mend their files; no report. What the job never had is given up, so that
     /// they learn from the same units again.

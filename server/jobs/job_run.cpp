@@ -239,7 +239,7 @@ BakeHistory JobManager::history_of(const Job& job, const JobSpec& spec) {
             history.finished.emplace(i, std::move(*result));
         }
     }
-    for (const int64_t unit : units.suspects) history.last.insert(static_cast<size_t>(unit));
+    for (const int64_t unit : units.suspects) history.suspects.insert(static_cast<size_t>(unit));
     for (const int64_t unit : units.poison) {
         history.given_up.emplace(static_cast<size_t>(unit),
                                  "the service ended each time that it baked this unit");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <mutex>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -201,6 +202,29 @@ TEST_F(BakeRunTest, AUnitIsMendedFromWhatTheJobHad) {
     EXPECT_FALSE(sha256.contains(1));
     params.history.only = {1};
     EXPECT_THROW(run_bake(params), UnitsFailed) << "what is given up cannot be mended";
+}
+
+TEST_F(BakeRunTest, SuspectsAreBakedLastAndAlone) {
+    const JobSpec job = read_job(test::small_request(12, {{"psnr_db", 28.0}}));
+    RenderPool pool(4);
+    BakeParams params = this->params(job, pool);
+    params.history.suspects = {3, 4, 9};
+    std::mutex mutex;
+    std::set<size_t> under_way;
+    std::set<size_t> done;
+    params.begin = [&](size_t unit) {
+        const std::lock_guard lock(mutex);
+        const bool is_suspect = params.history.suspects.contains(unit);
+        EXPECT_TRUE(!is_suspect || (under_way.empty() && done.size() >= 9)) << unit;
+        under_way.insert(unit);
+    };
+    params.sink = [&](const ProbeSpec&, const ProbeResult& result) {
+        const std::lock_guard lock(mutex);
+        under_way.erase(unit_of(job, result));
+        done.insert(unit_of(job, result));
+    };
+    run_bake(params);
+    EXPECT_EQ(done.size(), 12U);
 }
 
 TEST_F(BakeRunTest, AFailingSinkFailsTheBake) {

@@ -45,6 +45,11 @@ constexpr int kFirstLeastGrid = 4;
 /// In fewer, what one ray misses in one of them weighs too much: all get four more at once.
 constexpr uint64_t kFewPixels = 64;
 
+double steps_per_ray(const CostStats& cost) {
+    return static_cast<double>(cost.steps) /
+           static_cast<double>(std::max(uint64_t{1}, cost.all_rays()));
+}
+
 class Unit {
   public:
     Unit(const Scene& scene, const JobSpec& job, const Pilot& pilot, const UnitParams& params,
@@ -144,7 +149,7 @@ class Unit {
 
     void reveal_hidden_light(HybridCubemap& cubemap) {
         take(cubemap.render());
-        const std::vector<double> found = light_to_reveal(rendered(), result_.decision_cost);
+        const std::vector<double> found = light_to_reveal(rendered(), result_.earlier_renders);
         if (!found.empty()) cubemap.reveal(found);
     }
 
@@ -171,16 +176,20 @@ class Unit {
     double rays_left() const {
         if (!learns(job_)) return std::numeric_limits<double>::infinity();
         const CostStats render = render_.total();
-        const CostStats& known = audited_.all_rays() > 0 ? audited_ : pilot_.search_cost;
-        const double steps_per_ray = static_cast<double>(std::max(uint64_t{1}, known.steps)) /
-                                     static_cast<double>(std::max(uint64_t{1}, known.all_rays()));
         const bool told = std::any_of(audits_.begin(), audits_.end(),
                                       [](const AuditedRatio& audit) { return audit.draws > 0; });
         const double part =
             (params_.teaches ? kTeachingAudits : kAudits) + (told ? 0.0 : kLeastTold);
         const double steps =
             part * static_cast<double>(render.steps) - static_cast<double>(audited_.steps);
-        return std::max(0.0, steps) / std::max(1.0, steps_per_ray);
+        return std::max(0.0, steps) / std::max(1.0, steps_per_audit_ray());
+    }
+
+    /// By this probe's audits, else by the first probes', else by what was cast so far.
+    double steps_per_audit_ray() const {
+        if (audited_.all_rays() > 0) return steps_per_ray(audited_);
+        if (pilot_.audit_cost.all_rays() > 0) return steps_per_ray(pilot_.audit_cost);
+        return std::max(steps_per_ray(pilot_.search_cost), steps_per_ray(result_.earlier_renders));
     }
 
     /// By how much the prediction has to fall for the bound to meet the target.
@@ -304,6 +313,7 @@ class Unit {
         } else {
             return next;
         }
+        if (std::isinf(high)) return next;  // of a black file: how much finer is not known
         return finer_than(next, render_mse_ * allowed / high);
     }
 

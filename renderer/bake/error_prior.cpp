@@ -22,9 +22,15 @@ constexpr double kBestKnownBefore = 1.0 / 3.0;
 /// (docs/results/calibration.md).
 constexpr double kTailShare = 1.0 / 3.0;
 
+constexpr double kPoorestEstimate = 0.7;
+
 double square(double x) { return x * x; }
 
 }  // namespace
+
+bool tells(const Estimate& sampled) {
+    return sampled.value > 0.0 && sampled.standard_error() <= kPoorestEstimate * sampled.value;
+}
 
 ErrorPrior learned_prior(const ErrorPrior& before, std::span<const AuditedRatio> audits) {
     double count = 0.0;

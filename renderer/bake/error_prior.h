@@ -46,6 +46,10 @@ inline constexpr ErrorPrior kUsualPrior = {.ratio = 0.65, .spread = kUsualSpread
 /// The same of squared irradiance errors over what unbiased noise leads to expect.
 inline constexpr ErrorPrior kUsualIrradiancePrior = {.ratio = 1.0, .spread = 0.4, .draw_cv = 6.0};
 
+/// Whether a sample of pixels tells a size that nothing else is known of. Beyond a relative
+/// standard deviation of 0.7 a single one of them does.
+bool tells(const Estimate& sampled);
+
 /// An audit beside the renderer's prediction.
 struct AuditedRatio {
     double predicted = 0.0;  // mean squared error

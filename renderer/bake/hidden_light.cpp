@@ -10,11 +10,18 @@ namespace {
 
 /// Per side of a pixel, parts whose sky is compared with it.
 constexpr int kParts = 2;
-constexpr int kLeastEmitterRays = 64;
 
 double squared_difference(const Rgb& a, const Rgb& b) {
     const Vec3 d = Vec3(a) - Vec3(b);
     return glm::dot(d, d) / 3.0;
+}
+
+bool has_emitters(const EmitterSampler* emitters) {
+    return emitters != nullptr && !emitters->empty();
+}
+
+bool has_picture(const RenderScene& scene) {
+    return scene.sky != nullptr && scene.sky->texels() > 0;
 }
 
 class Search {
@@ -23,8 +30,8 @@ class Search {
         : spec_(spec), cost_(cost), n_(spec.as_written.face_size()) {}
 
     std::vector<double> run() {
-        if (spec_.emitters != nullptr && !spec_.emitters->empty()) look_at_emitters();
-        if (spec_.scene.sky != nullptr && spec_.scene.sky->texels() > 0) look_at_sky();
+        if (has_emitters(spec_.emitters)) look_at_emitters();
+        if (has_picture(spec_.scene)) look_at_sky();
         if (found_.empty()) return {};
         ask_neighbours();
         for_each_shared_pixel(n_, [&](const CubePixel& pixel, const CubePixel& owner) {
@@ -77,8 +84,7 @@ class Search {
 
     void look_at_emitters() {
         RandomStream random = this->random(0);
-        const int rays = std::max(kLeastEmitterRays, static_cast<int>(kEmitterShare * spec_.rays));
-        for (int i = 0; i < rays; ++i) {
+        for (int i = 0; i < spec_.emitter_rays; ++i) {
             const auto sample = spec_.emitters->sample(
                 spec_.origin, {random.uniform(), random.uniform(), random.uniform()});
             if (!sample) continue;
@@ -94,7 +100,7 @@ class Search {
             const double density = EmitterSampler::density(sample->probability, distance, cosine) /
                                    std::pow(1.0 + at.u * at.u + at.v * at.v, 1.5);
             const double spacing = grid_spacing(n_);
-            add(owner_towards(at), seen, 1.0 / (rays * density * spacing * spacing));
+            add(owner_towards(at), seen, 1.0 / (spec_.emitter_rays * density * spacing * spacing));
         }
     }
 
@@ -152,6 +158,10 @@ std::shared_ptr<const EmitterSampler> emitters_to_look_for(const Scene& scene,
                                                            const LightingState& state) {
     if (state.kind != LightingState::Kind::kEmission || !scene.emits()) return nullptr;
     return std::make_shared<const EmitterSampler>(scene.tree);
+}
+
+bool may_hide_light(const RenderScene& scene, const EmitterSampler* emitters) {
+    return has_emitters(emitters) || has_picture(scene);
 }
 
 std::vector<double> hidden_light(const HiddenLightSpec& spec, CostStats& cost) {

@@ -22,15 +22,16 @@ namespace probebake {
 std::shared_ptr<const EmitterSampler> emitters_to_look_for(const Scene& scene,
                                                            const LightingState& state);
 
-/// Few lamps are found by few rays: they are drawn by what they may bring.
-inline constexpr double kEmitterShare = 1.0 / 16.0;
+/// Whether there is anything of the kind in a scene.
+bool may_hide_light(const RenderScene& scene, const EmitterSampler* emitters);
 
 struct HiddenLightSpec {
     const RenderScene& scene;
     const EmitterSampler* emitters = nullptr;  // none: not looked for
     Vec3 origin{0.0};                          // voxels
     const Cubemap& as_written;
-    int rays = 0;  // towards the sky, and kEmitterShare of them towards emissive voxels
+    int rays = 0;          // towards the sky
+    int emitter_rays = 0;  // towards emissive voxels, drawn by what they may bring: few find them
     uint64_t key = 0;
 };
 

@@ -38,7 +38,7 @@ void learn_from_leaf_ray_curve(Pilot& pilot, const JobSpec& job) {
     };
     if (std::none_of(job.probes.begin(), job.probes.end(), pooled)) return;
     const Estimate& finest = pilot.curve.back().error.mse;
-    if (!(finest.value > 0.0)) return;
+    if (!tells(finest)) return;
     for (const CurvePoint& point : pilot.curve) {
         const int grid = point.settings.leaf_grid;
         if (point.settings == pilot.settings) pilot.settings_mse = point.error.mse.value;

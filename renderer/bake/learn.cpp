@@ -14,6 +14,10 @@ size_t probes_to_learn_from(const JobSpec& job) {
 }
 
 void learn(Pilot& pilot, const QualitySpec& quality, std::span<const ProbeResult> first) {
+    for (const ProbeResult& result : first) {
+        pilot.audit_cost += result.decision_cost;
+        pilot.audit_cost += result.certificate.cost;
+    }
     for (size_t t = 0; t < pilot.steering.size(); ++t) {
         if (!pilot.steering[t]) continue;
         std::vector<AuditedRatio> audits;

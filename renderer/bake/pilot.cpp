@@ -144,7 +144,7 @@ class Search {
         const std::optional<Estimate> size = error_size(target.metric, candidate.error);
         if (!size || !(candidate.predicted > 0.0)) return std::nullopt;
         const bool of_squares = is_of_squares(target.metric);
-        if (!(size->value > 0.0) && !of_squares) return std::nullopt;
+        if (!of_squares && !tells(*size)) return std::nullopt;
         const double measured = std::max(0.0, size->value) / candidate.predicted;
         const double error = size->standard_error() / candidate.predicted;
         const double own = measured > 0.0 ? measured * measured / (error * error) : 0.0;

@@ -64,6 +64,7 @@ struct Pilot {
     uint64_t pixels = 0;                         // of the sample
     uint64_t candidates = 0;                     // compared
     CostStats search_cost;
+    CostStats audit_cost;  // of the job's first probes, once they have taught
     CostStats curve_cost;
     double wall_seconds = 0.0;
 };

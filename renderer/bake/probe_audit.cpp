@@ -20,25 +20,28 @@ constexpr double kPathsShare = 0.4;
 /// Paths of each mean of an audit: so many, squared, at most; in windows at least.
 constexpr int kLargestPathGrid = 64;
 constexpr int kLeastPathGrid = 2;
-/// Of an audit's rays, how many more look for hidden light; but at least so many where probes have
-/// nothing but their own audit.
+/// Of the rays of a render and of an audit, how many more look for hidden light; but at least so
+/// many where probes have nothing but their own audit.
 constexpr double kHiddenLightShare = 0.25;
 constexpr double kLeastHiddenLightRays = 256.0;
+/// Of these, those towards emissive voxels: few find them.
+constexpr double kEmitterShare = 1.0 / 16.0;
+constexpr double kLeastEmitterRays = 64.0;
 /// Of an audit's rays, for pixels, where windows decide, too, and where they alone do.
 constexpr double kPixelsAndWindows = 0.5;
 constexpr double kPixelsBesideWindows = 0.2;
 constexpr int kPixelsBesideWindowsAtLeast = 2;
 
 /// Paths through media meet emissive voxels and sky by themselves.
-std::vector<double> light_hidden(const RenderedProbe& probe, double rays, uint64_t key,
-                                 CostStats& cost) {
+std::vector<double> light_hidden(const RenderedProbe& probe, double rays, double emitter_rays,
+                                 uint64_t key, CostStats& cost) {
     if (probe.through_media()) return {};
-    const double least = learns(probe.job) ? 0.0 : kLeastHiddenLightRays;
     return hidden_light({.scene = probe.render_scene,
                          .emitters = probe.pilot.emitters.get(),
                          .origin = probe.scene.to_voxels(probe.spec().position_m),
                          .as_written = probe.as_written,
-                         .rays = static_cast<int>(std::max(least, kHiddenLightShare * rays)),
+                         .rays = static_cast<int>(rays),
+                         .emitter_rays = static_cast<int>(emitter_rays),
                          .key = key},
                         cost);
 }
@@ -49,8 +52,9 @@ class ProbeAudit {
         : probe_(probe),
           job_(probe.job),
           look_(look),
-          rays_(std::min(look.most_rays, look.effort * share() *
-                                             static_cast<double>(probe.render.total().all_rays()))),
+          rays_(std::min(
+              look.most_rays / (1.0 + hidden_light_share()),
+              look.effort * share() * static_cast<double>(probe.render.total().all_rays()))),
           key_(random_key({job_.seed, probe.probe, stream_of(probe.pilot.state.spec),
                            static_cast<uint64_t>(look.number)})) {}
 
@@ -62,7 +66,7 @@ class ProbeAudit {
         if (probe_.through_media() && wants_windows()) ssim_lost = noise.ssim_lost();
         const WindowDraws windows = window_draws(ssim_lost);
         CostStats search_cost;
-        const std::vector<double> hidden = light_hidden(probe_, rays_, key_, search_cost);
+        const std::vector<double> hidden = look_for_hidden_light(search_cost);
         AuditSpec spec{
             .truth = truth(),
             .as_written = probe_.as_written,
@@ -100,6 +104,25 @@ class ProbeAudit {
         if (probe_.leaf_rays_only()) return kLeafRaysShare;
         const double share = look_.teaches && !windows_alone() ? kTeachingShare : kAuditShare;
         return wants_leaf_rays_only(job_) ? kPathsShare * share : share;
+    }
+
+    /// Rays to hidden light, per ray of the audit.
+    double hidden_light_share() const {
+        return !probe_.through_media() &&
+                       may_hide_light(probe_.render_scene, probe_.pilot.emitters.get())
+                   ? kHiddenLightShare
+                   : 0.0;
+    }
+
+    /// As much as the audit's share pays for where others of the job are audited, too.
+    std::vector<double> look_for_hidden_light(CostStats& cost) const {
+        double rays = hidden_light_share() * rays_;
+        double emitter_rays = std::min(rays, std::max(kLeastEmitterRays, kEmitterShare * rays));
+        if (!learns(job_)) {
+            rays = std::max(kLeastHiddenLightRays, rays);
+            emitter_rays = std::max(kLeastEmitterRays, kEmitterShare * rays);
+        }
+        return light_hidden(probe_, rays, emitter_rays, key_, cost);
     }
 
     /// An audit of a render that took no step costs nothing to speak of.
@@ -175,7 +198,9 @@ std::vector<double> light_to_reveal(const RenderedProbe& probe, CostStats& cost)
     const auto pixels = static_cast<double>(owned_pixel_count(probe.spec().face_size_px));
     const uint64_t key =
         random_key({probe.job.seed, probe.probe, stream_of(probe.pilot.state.spec)});
-    return light_hidden(probe, pixels, key, cost);
+    const double least = learns(probe.job) ? 0.0 : kLeastHiddenLightRays;
+    const double rays = std::max(least, kHiddenLightShare * pixels);
+    return light_hidden(probe, rays, std::max(kLeastEmitterRays, kEmitterShare * rays), key, cost);
 }
 
 }  // namespace probebake

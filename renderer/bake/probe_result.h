@@ -28,13 +28,14 @@ struct ProbeResult {
     RenderSettings settings;  // of the render that is in the files
     std::array<CostStats, kFaceCount> faces;
     std::array<uint64_t, kFaceCount> pixels{};
-    bool limited = false;       // by a ray limit, or out of time
-    int looks = 1;              // audits, the last of them of what is in the files
-    CostStats earlier_renders;  // of what is not in them: replaced, not refined further
-    Audit certificate;          // of the last look; empty without audit, and where it was spared
-    double confidence = 0.0;    // of its own intervals, two-sided; from the second look on above
-                                // the job's, which is what rows and files promise
-    bool target_met = false;    // by its bound
+    bool limited = false;  // by a ray limit, or out of time
+    int looks = 1;         // audits, the last of them of what is in the files
+    /// Of what is not in them: replaced, not refined further; and rays to hidden light.
+    CostStats earlier_renders;
+    Audit certificate;        // of the last look; empty without audit, and where it was spared
+    double confidence = 0.0;  // of its own intervals, two-sided; from the second look on above
+                              // the job's, which is what rows and files promise
+    bool target_met = false;  // by its bound
     EvidenceOf evidence = EvidenceOf::kNone;
     /// Whose evidence says that a target is met, one per target; none where it is not.
     std::vector<EvidenceOf> met_by;

@@ -8,7 +8,7 @@ namespace probebake {
 namespace {
 
 /// Of the fields below, in their order. Another order or another field is another version.
-constexpr uint64_t kVersion = 8;
+constexpr uint64_t kVersion = 9;
 
 class Damaged {};
 
@@ -187,8 +187,8 @@ void fields(Archive& archive, T& e) {
 
 template <class Archive, Either<NormEstimate> T>
 void fields(Archive& archive, T& e) {
-    auto& [squared, variance, variance2, largest, samples, degrees_of_freedom] = e;
-    archive(squared, variance, variance2, largest, samples, degrees_of_freedom);
+    auto& [squared, variance, variance2, largest, samples, degrees_of_freedom, longest, told] = e;
+    archive(squared, variance, variance2, largest, samples, degrees_of_freedom, longest, told);
 }
 
 template <class Archive, Either<ShAudit> T>

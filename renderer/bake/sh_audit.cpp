@@ -2,12 +2,17 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace probebake {
 namespace {
 
 constexpr size_t kChannels = 3;
 constexpr size_t kDimensions = kShCount * kChannels;
+/// Lengths of the coefficients of a radiance of 1, if they were all of one direction: 4π √(9 / 4π),
+/// and those of irradiance (kShLargestIrradiance).
+const double kLongest = 6.0 * std::sqrt(std::numbers::pi);
+const double kLongestIrradiance = 4.0 * std::numbers::pi * kShLargestIrradiance;
 
 /// The factor of every coefficient, for the channels that count.
 template <class Factor>
@@ -19,7 +24,7 @@ std::array<double, kDimensions> factors_of(const Factor& factor) {
 
 }  // namespace
 
-ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px) {
+ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px, const Unseen& unseen) {
     std::vector<double> samples;
     samples.reserve(draws.size() * kDimensions);
     for (const ShDraw& draw : draws) {
@@ -40,16 +45,21 @@ ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px) {
     for (size_t channel = 0; channel < kChannels; ++channel) {
         audit.channels[channel] =
             mean.norm(factors_of([&](size_t, size_t c) { return c == channel ? 1.0 : 0.0; }));
+        audit.channels[channel].longest = kLongest * unseen.radiance;
+        audit.channels[channel].told = unseen.told;
     }
+    audit.irradiance.longest = std::sqrt(double{kChannels}) * kLongestIrradiance * unseen.radiance;
+    audit.irradiance.told = unseen.told;
     return audit;
 }
 
 NormEstimate relative_irradiance(const ShAudit& audit, const ShRgb& radiance) {
-    if (audit.irradiance.nothing_found()) return audit.irradiance;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double norm = irradiance_norm(radiance);
     if (norm > 0.0) return audit.irradiance.scaled(1.0 / norm);
     NormEstimate unbounded = audit.irradiance;
-    unbounded.squared = std::numeric_limits<double>::infinity();
+    if (!unbounded.nothing_found()) unbounded.squared = kInfinity;
+    if (unbounded.longest > 0.0) unbounded.longest = kInfinity;
     return unbounded;
 }
 

@@ -27,11 +27,18 @@ struct ShAudit {
     std::array<NormEstimate, 3> channels;  // ‖ΔL‖₂ of R, G and B
 };
 
+/// What may lie unseen where no draw found anything: the brightest radiance, and the rays that
+/// would have told of it.
+struct Unseen {
+    double radiance = 0.0;
+    uint64_t told = 0;
+};
+
 /// At least two draws.
-ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px);
+ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px, const Unseen& unseen = {});
 
 /// irradiance_rel: the error over the length of what is in the file. Infinite where all of that is
-/// black and the truth is not.
+/// black, and the truth is not or need not be.
 NormEstimate relative_irradiance(const ShAudit& audit, const ShRgb& radiance);
 
 }  // namespace probebake

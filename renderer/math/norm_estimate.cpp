@@ -49,6 +49,7 @@ double NormEstimate::value() const { return std::sqrt(std::max(0.0, squared - va
 
 Interval NormEstimate::interval(double confidence) const {
     if (!(degrees_of_freedom > 0.0)) return {0.0, std::numeric_limits<double>::infinity()};
+    if (nothing_found() && longest > 0.0) return {0.0, longest * unseen_share(told, confidence)};
     if (!(variance > 0.0)) return {std::sqrt(squared), std::sqrt(squared)};
     const double probability = 0.5 + confidence / 2.0;
     const double z = student_t_quantile(probability, degrees_of_freedom);
@@ -75,6 +76,7 @@ NormEstimate NormEstimate::scaled(double factor) const {
     out.variance *= square;
     out.variance2 *= square * square;
     out.largest *= square;
+    out.longest *= factor;
     return out;
 }
 
@@ -84,6 +86,8 @@ void NormEstimate::add(double weight, const NormEstimate& part) {
     variance2 += weight * weight * part.variance2;
     largest = std::max(largest, weight * part.largest);
     samples += part.samples;
+    longest = std::max(longest, part.longest);
+    told += part.told;
     degrees_of_freedom += part.degrees_of_freedom;
 }
 

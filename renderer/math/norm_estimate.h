@@ -29,10 +29,15 @@ struct NormEstimate {
     double largest = 0.0;    // λ, or a little more
     uint64_t samples = 0;
     double degrees_of_freedom = 0.0;
+    /// Where nothing is found: |x| if all samples differed as much as they may, and how many draws
+    /// would have told of one that does. 0: not known.
+    double longest = 0.0;
+    uint64_t told = 0;
 
     /// Of |x|: the root of the unbiased estimate of its square, 0 where that is negative.
     double value() const;
-    /// Two-sided interval of |x|; [0, infinity] below two samples.
+    /// Two-sided interval of |x|; [0, infinity] below two samples. Where nothing was found, up to
+    /// what may lie unseen: unseen_share(told) · longest.
     Interval interval(double confidence) const;
     /// No sample differed from 0.
     bool nothing_found() const { return samples > 0 && squared == 0.0 && variance == 0.0; }

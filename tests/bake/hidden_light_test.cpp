@@ -73,6 +73,7 @@ void expect_found(const RenderScene& scene, const EmitterSampler* emitters) {
                                                     .origin = kEye,
                                                     .as_written = black,
                                                     .rays = 2'000'000,
+                                                    .emitter_rays = 125'000,
                                                     .key = 11},
                                                    cost);
     const std::vector<double> there = by_rays_everywhere(scene, black).differences;
@@ -123,37 +124,73 @@ TEST(HiddenLight, IsNotLookedForWhereAllIsOfOneKind) {
     EXPECT_EQ(cost.rays, 0u);
 }
 
+const IVec3 kLampAt(301, 222, 187);
+
 /// One lamp, a twentieth of a pixel wide each way, in the dark: rays of most renders miss it.
-TEST(HiddenLight, ATinyLampIsNoProvenDarkness) {
-    Scene scene = test::small_scene();
+Scene world_with_tiny_lamp(bool shown) {
     VoxelCloud cloud;
     cloud.depth = 9;
     for (int x = 0; x < 64; ++x) cloud.voxels.push_back(make_voxel({x, 0, 0}, pack_rgb(Rgb(0.5f))));
-    cloud.voxels.push_back(
-        make_voxel({301, 222, 187}, pack_rgb(Rgb(0.5f)), pack_rgb(Rgb(60'000.0f))));
+    cloud.voxels.push_back(make_voxel(kLampAt, pack_rgb(Rgb(0.5f)), pack_rgb(Rgb(60'000.0f))));
+    for (int i = 0; i < 125 && !shown; ++i) {  // in a box
+        const IVec3 around(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
+        if (std::max({std::abs(around.x), std::abs(around.y), std::abs(around.z)}) < 2) continue;
+        cloud.voxels.push_back(make_voxel(kLampAt + around, pack_rgb(Rgb(0.5f))));
+    }
+    Scene scene = test::small_scene();
     scene.tree = VoxelTree::build(cloud);
+    return scene;
+}
+
+struct Baked {
+    JobSpec job;
+    ProbeResult result;
+    double brightest = 0.0;
+};
+
+Baked bake_beside_lamp(const Scene& scene, const Json& targets, int seed) {
     const Vec3 p = scene.to_metres(Vec3(150.2, 101.7, 160.4));
+    Json request = test::small_request(1, targets);
+    request["seed"] = seed;
+    request["face_size_px"] = kFace_px;
+    request["products"] = {"cube"};
+    request["quality"]["exposure"] = 1.0;
+    request["lighting_states"] = Json::array({"emission"});
+    request["probes"]["list"][0]["position_m"] = {p.x, p.y, p.z};
+    const JobSpec job = read_job(request);
+    const CancelToken cancel;
+    const ReadyState state = light_state(scene, job, 0, cancel);
+    const Pilot pilot = run_pilot(scene, job, make_plan(scene, job), state, cancel);
+    Baked baked{job, bake_probe(scene, job, pilot, {}, cancel)};
+    const Cubemap file = decode_cubemap(baked.result.files[0].bytes, "").cubemap;
+    for (const Rgb& value : file.image().pixels()) {
+        baked.brightest = std::max(baked.brightest, double{value.r});
+    }
+    return baked;
+}
+
+TEST(HiddenLight, ATinyLampIsNoProvenDarkness) {
+    const Scene scene = world_with_tiny_lamp(true);
     for (int seed = 1; seed <= 8; ++seed) {
-        Json request = test::small_request(1, {{"psnr_db", 40}});
-        request["seed"] = seed;
-        request["face_size_px"] = kFace_px;
-        request["quality"]["exposure"] = 1.0;
-        request["lighting_states"] = Json::array({"emission"});
-        request["probes"]["list"][0]["position_m"] = {p.x, p.y, p.z};
-        const JobSpec job = read_job(request);
-        const CancelToken cancel;
-        const ReadyState state = light_state(scene, job, 0, cancel);
-        const Pilot pilot = run_pilot(scene, job, make_plan(scene, job), state, cancel);
-        const ProbeResult result = bake_probe(scene, job, pilot, {}, cancel);
-        const Cubemap file = decode_cubemap(result.files[0].bytes, "").cubemap;
+        const auto [job, result, brightest] = bake_beside_lamp(scene, {{"psnr_db", 40}}, seed);
         // The lamp's mean over its pixel, from its size: about a two-hundredth of its radiance.
-        double brightest = 0.0;
-        for (const Rgb& value : file.image().pixels())
-            brightest = std::max(brightest, double{value.r});
         const bool right = std::abs(brightest - 180.0) < 60.0;
         EXPECT_TRUE(right || !result.target_met) << seed << ": " << brightest;
         EXPECT_GT(error_figures(job.quality, result)->rmse_interval.high, right ? 0.0 : 1.0)
             << seed;
+    }
+}
+
+TEST(HiddenLight, IrradianceOfABlackFileTakesManyRaysToBelieve) {
+    const Scene lit = world_with_tiny_lamp(true);
+    const Scene dark = world_with_tiny_lamp(false);
+    for (int seed = 1; seed <= 8; ++seed) {
+        const Baked missed = bake_beside_lamp(lit, {{"irradiance_rel", 0.05}}, seed);
+        EXPECT_FALSE(missed.result.target_met && missed.brightest == 0.0) << seed;
+        const Baked seen = bake_beside_lamp(dark, {{"irradiance_rel", 0.05}}, seed);
+        EXPECT_EQ(seen.brightest, 0.0);
+        EXPECT_TRUE(seen.result.target_met) << seed;
+        EXPECT_GT(seen.result.render_cost().rays + seen.result.certificate.cost.rays, 9'999U);
     }
 }
 

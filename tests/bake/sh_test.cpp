@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "bake/bake_fixture.h"
 #include "bake/bake_probe.h"
@@ -239,6 +241,25 @@ TEST_F(ShTest, NothingIsPromisedOfABlackFile) {
     some[2].difference = Vec3(-1.0);
     const NormEstimate error = relative_irradiance(audit_sh(some, 8), black);
     EXPECT_FALSE(error.interval(0.95).high <= 1.0);
+    const NormEstimate unseen = relative_irradiance(audit_sh(none, 8, {2.0, 1000}), black);
+    EXPECT_EQ(unseen.interval(0.95).low, 0.0);
+    EXPECT_EQ(unseen.interval(0.95).high, std::numeric_limits<double>::infinity());
+}
+
+/// A file of radiance 1 everywhere, of which nothing differed: if the share that 1,000 rays may all
+/// have missed were lit by 3 more.
+TEST_F(ShTest, WhatMayLieUnseenIsNotProvenAway) {
+    const std::vector<ShDraw> none(10, ShDraw{{CubeFace::kPosY, 3, 3}, Vec3(0.0)});
+    const ShAudit audit = audit_sh(none, 8, {3.0, 1000});
+    Cubemap ones(8);
+    for (size_t i = 0; i < 6 * 8 * 8; ++i) ones.at(pixel_at(i, 8)) = Rgb(1.0f);
+    const double share = unseen_share(1000, 0.95);
+    EXPECT_NEAR(relative_irradiance(audit, project_sh(ones)).interval(0.95).high,
+                3.0 * share * 4.0 * kShLargestIrradiance / std::sqrt(4.0 * std::numbers::pi),
+                1e-3 * share);
+    // Of all normals, the one towards it: at most E = L · Ω · (A · Y)² summed.
+    EXPECT_NEAR(kShLargestIrradiance * audit.channels[1].interval(0.95).high,
+                3.0 * share * kShLargestIrradiance * 6.0 * std::sqrt(std::numbers::pi), 1e-9);
 }
 
 TEST_F(ShTest, RequestsForIrradiance) {

@@ -6,7 +6,7 @@
 
 namespace probebake::test {
 
-inline VoxelTree small_world() {
+inline VoxelCloud small_world_voxels() {
     RandomStream random(1234);
     VoxelCloud cloud;
     cloud.depth = 6;
@@ -26,8 +26,10 @@ inline VoxelTree small_world() {
             }
         }
     }
-    return VoxelTree::build(cloud);
+    return cloud;
 }
+
+inline VoxelTree small_world() { return VoxelTree::build(small_world_voxels()); }
 
 /// In free air between the ground and the net.
 inline const Vec3 kSmallWorldProbe{30.3, 30.6, 29.2};

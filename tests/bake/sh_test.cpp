@@ -252,7 +252,7 @@ TEST_F(ShTest, WhatMayLieUnseenIsNotProvenAway) {
     const std::vector<ShDraw> none(10, ShDraw{{CubeFace::kPosY, 3, 3}, Vec3(0.0)});
     const ShAudit audit = audit_sh(none, 8, {3.0, 1000});
     Cubemap ones(8);
-    for (size_t i = 0; i < 6 * 8 * 8; ++i) ones.at(pixel_at(i, 8)) = Rgb(1.0f);
+    for (size_t i = 0; i < size_t{6} * 8 * 8; ++i) ones.at(pixel_at(i, 8)) = Rgb(1.0f);
     const double share = unseen_share(1000, 0.95);
     EXPECT_NEAR(relative_irradiance(audit, project_sh(ones)).interval(0.95).high,
                 3.0 * share * 4.0 * kShLargestIrradiance / std::sqrt(4.0 * std::numbers::pi),

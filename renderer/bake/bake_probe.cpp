@@ -254,8 +254,8 @@ class Unit {
         take(render());
     }
 
-    /// The settings from `next` on whose pixels' variances lead to expect what is
-    /// asked for, where those of the render do not.
+    /// The settings from `next` on whose pixels' variances lead to expect what is asked for, where
+    /// those of the render do not.
     std::optional<size_t> finer_by_variances(size_t next) const {
         const bool any_will_do =
             job_.quality.targets.size() > 1 && job_.quality.require == Require::kAny;

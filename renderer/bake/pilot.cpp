@@ -354,12 +354,12 @@ std::vector<RenderSettings> curve_settings(const RenderSettings& given) {
     return {{.kind = RendererKind::kLod}, given, {.kind = RendererKind::kReference}};
 }
 
-/// Over the channels, of what the sample shows.
+/// Root mean square over the channels, of what the sample shows.
 double largest_radiance(const SearchSample& sample) {
     double largest = 0.0;
     for (const SearchPixel& pixel : sample.pixels) {
         for (const Rgb& truth : {pixel.truth.r1, pixel.truth.r2}) {
-            largest = std::max(largest, (double{truth.r} + truth.g + truth.b) / 3.0);
+            largest = std::max(largest, glm::length(Vec3(truth)) / std::sqrt(3.0));
         }
     }
     return largest;

@@ -42,13 +42,15 @@ ShAudit audit_sh(std::span<const ShDraw> draws, int face_size_px, const Unseen& 
         audit.standard_error[i / kChannels][channel] = mean.standard_error(i);
     }
     audit.irradiance = mean.norm(factors_of([](size_t i, size_t) { return kShIrradiance[i]; }));
+    // In one of them, if it is all of one.
+    const double all_channels = std::sqrt(double{kChannels}) * unseen.radiance;
     for (size_t channel = 0; channel < kChannels; ++channel) {
         audit.channels[channel] =
             mean.norm(factors_of([&](size_t, size_t c) { return c == channel ? 1.0 : 0.0; }));
-        audit.channels[channel].longest = kLongest * unseen.radiance;
+        audit.channels[channel].longest = kLongest * all_channels;
         audit.channels[channel].told = unseen.told;
     }
-    audit.irradiance.longest = std::sqrt(double{kChannels}) * kLongestIrradiance * unseen.radiance;
+    audit.irradiance.longest = kLongestIrradiance * all_channels;
     audit.irradiance.told = unseen.told;
     return audit;
 }

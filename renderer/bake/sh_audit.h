@@ -27,8 +27,8 @@ struct ShAudit {
     std::array<NormEstimate, 3> channels;  // ‖ΔL‖₂ of R, G and B
 };
 
-/// What may lie unseen where no draw found anything: the brightest radiance, and the rays that
-/// would have told of it.
+/// What may lie unseen where no draw found anything: the brightest radiance (root mean square over
+/// the channels), and the rays that would have told of it.
 struct Unseen {
     double radiance = 0.0;
     uint64_t told = 0;

@@ -39,7 +39,8 @@ EmitterSampler::EmitterSampler(const VoxelTree& tree) {
         if (!(sum > 0.0f)) return;
         const uint8_t faces = exposed_faces(tree, voxel);
         if (faces == 0) return;
-        largest_radiance_ = std::max(largest_radiance_, double{sum} / 3.0);
+        largest_radiance_ =
+            std::max(largest_radiance_, glm::length(Vec3(radiance)) / std::sqrt(3.0));
         if (++found_ > kMostEmitters) return;
         Node node;
         node.power = sum / 3.0f * static_cast<float>(std::popcount(faces));

@@ -30,7 +30,7 @@ class EmitterSampler {
     size_t size() const { return voxels_.size(); }
     /// Emissive voxels with an exposed face in the tree, whether they are kept or not.
     uint64_t found() const { return found_; }
-    /// Of these, over the channels.
+    /// Of these, root mean square over the channels.
     double largest_radiance() const { return largest_radiance_; }
     /// Steps from the root of the binary tree to a voxel.
     int levels() const { return static_cast<int>(levels_.size()) - 1; }

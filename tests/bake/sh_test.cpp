@@ -258,8 +258,10 @@ TEST_F(ShTest, WhatMayLieUnseenIsNotProvenAway) {
                 3.0 * share * 4.0 * kShLargestIrradiance / std::sqrt(4.0 * std::numbers::pi),
                 1e-3 * share);
     // Of all normals, the one towards it: at most E = L · Ω · (A · Y)² summed.
-    EXPECT_NEAR(kShLargestIrradiance * audit.channels[1].interval(0.95).high,
-                3.0 * share * kShLargestIrradiance * 6.0 * std::sqrt(std::numbers::pi), 1e-9);
+    EXPECT_NEAR(
+        kShLargestIrradiance * audit.channels[1].interval(0.95).high,
+        std::sqrt(3.0) * 3.0 * share * kShLargestIrradiance * 6.0 * std::sqrt(std::numbers::pi),
+        1e-9);
 }
 
 TEST_F(ShTest, RequestsForIrradiance) {
